@@ -1,0 +1,4 @@
+//! From the golden model's datapaths to Verilog, vectors, testbenches and simulators.
+
+pub mod netlist;
+pub mod operators;

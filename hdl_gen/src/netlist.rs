@@ -1,0 +1,533 @@
+//! A module as a graph of words: what the Verilog emitter prints, the embedded simulator runs and
+//! the area reports count.
+//!
+//! Words are unsigned bit vectors of 1 to 64 bits. Operands of one width, results of a stated
+//! width, nothing extended or cut silently: a width error is a panic where the netlist is built,
+//! not a surprise in a simulator. The clock `clk_i` and the synchronous reset `rst_ni` are implied
+//! by the first register that needs them.
+
+use std::sync::Arc;
+
+/// A signal of one module: the result of one of its nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Wire(pub(crate) u32);
+
+impl Wire {
+    /// The node's place in [`Module::nodes`].
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// What a node computes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Operation {
+    /// An input port of the module.
+    Input,
+    /// A constant.
+    Constant(u64),
+    /// Every bit inverted.
+    Not(Wire),
+    /// Bitwise and.
+    And(Wire, Wire),
+    /// Bitwise or.
+    Or(Wire, Wire),
+    /// Bitwise exclusive or.
+    Xor(Wire, Wire),
+    /// Sum modulo 2^width.
+    Add(Wire, Wire),
+    /// Difference modulo 2^width.
+    Subtract(Wire, Wire),
+    /// Full product: as wide as both operands together.
+    Multiply(Wire, Wire),
+    /// Shift left by a variable amount; zeros come in.
+    ShiftLeft(Wire, Wire),
+    /// Shift right by a variable amount; zeros come in.
+    ShiftRight(Wire, Wire),
+    /// One bit: are the operands equal?
+    Equal(Wire, Wire),
+    /// One bit: is the first below the second, both unsigned?
+    LessThan(Wire, Wire),
+    /// One of two words.
+    Mux {
+        /// One bit.
+        select: Wire,
+        /// The result where `select` is 1.
+        when_one: Wire,
+        /// The result where `select` is 0.
+        when_zero: Wire,
+    },
+    /// The operands side by side, the first at the most significant end.
+    Concat(Vec<Wire>),
+    /// `width` bits of the operand, from bit `low` up.
+    Slice {
+        /// Where the bits come from.
+        from: Wire,
+        /// The lowest bit taken.
+        low: u32,
+    },
+    /// The operand with its most significant bit repeated in front.
+    SignExtend(Wire),
+    /// One bit: is any bit of the operand 1?
+    AnyBit(Wire),
+    /// One bit: are all bits of the operand 1?
+    AllBits(Wire),
+    /// A register on the rising edge of `clk_i`.
+    Register {
+        /// What it takes at the edge; set by [`Builder::connect`].
+        next: Option<Wire>,
+        /// Takes it only where this bit is 1; always where there is none.
+        enable: Option<Wire>,
+        /// Its value while `rst_ni` is 0 at an edge; data registers have none.
+        reset: Option<u64>,
+    },
+    /// An output of an instance of another module.
+    InstanceOutput {
+        /// Its place in [`Module::instances`].
+        instance: usize,
+        /// Its place in the instantiated module's [`Module::outputs`].
+        output: usize,
+    },
+}
+
+/// One node: an operation, the width of its result, and how people should see it.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// What it computes.
+    pub operation: Operation,
+    /// Bits of the result, 1 to 64.
+    pub width: u32,
+    /// Its name in Verilog; nodes without one are printed inside the expressions that use them
+    /// where the language allows it.
+    pub name: Option<String>,
+    /// The section of the module it stands in: an index into [`Module::sections`].
+    pub section: usize,
+    /// How its bits are meant, for waveforms.
+    pub meaning: Meaning,
+}
+
+/// How the bits of a signal are meant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Meaning {
+    /// A bit vector.
+    #[default]
+    Bits,
+    /// A two's complement integer.
+    Signed,
+    /// A float of this format.
+    Float(rtl_model::float::FloatFormat),
+}
+
+/// A constant with a name and the reason for its value, printed as a localparam.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Localparam {
+    /// Upper case by convention.
+    pub name: String,
+    /// The value.
+    pub value: u64,
+    /// Why it has this value, printed beside it.
+    pub reason: String,
+}
+
+/// A use of one module in another.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// The instance's name.
+    pub name: String,
+    /// The module.
+    pub module: Arc<Module>,
+    /// One wire for every input of the module, in its order, without clock and reset.
+    pub inputs: Vec<Wire>,
+    /// The section it stands in.
+    pub section: usize,
+}
+
+/// A module: ports, nodes in the order they were built, instances.
+#[derive(Clone, Debug, Default)]
+pub struct Module {
+    /// Name of the module and of its file.
+    pub name: String,
+    /// Lines of the header comment: format, rounding, latency, source function.
+    pub description: Vec<String>,
+    /// Cycles from an input to the outputs that depend on it; 0 for combinational logic.
+    pub latency: u32,
+    /// Named constants.
+    pub localparams: Vec<Localparam>,
+    /// Section titles in dataflow order; section 0 holds the ports.
+    pub sections: Vec<String>,
+    /// All nodes. A node's operands stand before it, except what a register takes.
+    pub nodes: Vec<Node>,
+    /// Input ports in order, without clock and reset.
+    pub inputs: Vec<Wire>,
+    /// Output ports in order: name and what drives it.
+    pub outputs: Vec<(String, Wire)>,
+    /// Instances of other modules.
+    pub instances: Vec<Instance>,
+}
+
+impl Module {
+    /// The node behind a wire.
+    pub fn node(&self, wire: Wire) -> &Node {
+        &self.nodes[wire.index()]
+    }
+
+    /// The width of a wire.
+    pub fn width(&self, wire: Wire) -> u32 {
+        self.node(wire).width
+    }
+
+    /// Has it a register, its own or an instance's? Then it has the port `clk_i`.
+    pub fn is_clocked(&self) -> bool {
+        self.nodes.iter().any(|node| matches!(node.operation, Operation::Register { .. }))
+            || self.instances.iter().any(|instance| instance.module.is_clocked())
+    }
+
+    /// Has it a register with a reset value, its own or an instance's? Then it has `rst_ni`.
+    pub fn has_reset(&self) -> bool {
+        let own = |node: &Node| {
+            matches!(node.operation, Operation::Register { reset: Some(_), .. })
+        };
+        self.nodes.iter().any(own) || self.instances.iter().any(|i| i.module.has_reset())
+    }
+
+    /// The input port of this name.
+    pub fn input(&self, name: &str) -> Option<Wire> {
+        self.inputs.iter().copied().find(|&wire| self.node(wire).name.as_deref() == Some(name))
+    }
+
+    /// What drives the output port of this name.
+    pub fn output(&self, name: &str) -> Option<Wire> {
+        self.outputs.iter().find(|(output, _)| output == name).map(|&(_, wire)| wire)
+    }
+
+    /// This module and every module it uses, each once, users after what they use.
+    pub fn hierarchy(self: &Arc<Module>) -> Vec<Arc<Module>> {
+        fn visit(module: &Arc<Module>, seen: &mut Vec<Arc<Module>>) {
+            for instance in &module.instances {
+                visit(&instance.module, seen);
+            }
+            if !seen.iter().any(|other| other.name == module.name) {
+                seen.push(module.clone());
+            }
+        }
+        let mut seen = Vec::new();
+        visit(self, &mut seen);
+        seen
+    }
+}
+
+/// Builds a [`Module`] node by node, checking every width.
+#[derive(Debug)]
+pub struct Builder {
+    module: Module,
+}
+
+impl Builder {
+    /// An empty module of this name.
+    pub fn new(name: impl Into<String>) -> Builder {
+        Builder {
+            module: Module {
+                name: name.into(),
+                sections: vec!["ports".to_owned()],
+                ..Module::default()
+            },
+        }
+    }
+
+    /// Adds a line to the header comment.
+    pub fn describe(&mut self, line: impl Into<String>) {
+        self.module.description.push(line.into());
+    }
+
+    /// States the module's latency in cycles.
+    pub fn set_latency(&mut self, cycles: u32) {
+        self.module.latency = cycles;
+    }
+
+    /// A named constant with its reason; returns its value, for use in widths.
+    pub fn localparam(&mut self, name: &str, value: u64, reason: &str) -> u64 {
+        self.module.localparams.push(Localparam {
+            name: name.to_owned(),
+            value,
+            reason: reason.to_owned(),
+        });
+        value
+    }
+
+    /// Opens a section: the nodes built from here on stand under this title.
+    pub fn section(&mut self, title: impl Into<String>) {
+        self.module.sections.push(title.into());
+    }
+
+    fn push(&mut self, operation: Operation, width: u32) -> Wire {
+        assert!((1..=64).contains(&width), "{}: a width of {width} bits", self.module.name);
+        let section = self.module.sections.len() - 1;
+        let wire = Wire(u32::try_from(self.module.nodes.len()).expect("fewer than 2^32 nodes"));
+        self.module.nodes.push(Node {
+            operation,
+            width,
+            name: None,
+            section,
+            meaning: Meaning::Bits,
+        });
+        wire
+    }
+
+    /// The width of a wire built so far.
+    pub fn width(&self, wire: Wire) -> u32 {
+        self.module.width(wire)
+    }
+
+    /// The module as built so far.
+    pub fn module(&self) -> &Module {
+        &self.module
+    }
+
+    fn same_width(&self, a: Wire, b: Wire) -> u32 {
+        let (wa, wb) = (self.width(a), self.width(b));
+        assert_eq!(wa, wb, "{}: operands of different widths", self.module.name);
+        wa
+    }
+
+    /// Names a wire. The first name a wire gets is kept; names are unique in a module.
+    pub fn name(&mut self, wire: Wire, name: impl Into<String>) -> Wire {
+        let name = name.into();
+        if self.module.node(wire).name.is_none() {
+            assert!(
+                !self.module.nodes.iter().any(|node| node.name.as_deref() == Some(&name)),
+                "{}: two signals named {name}",
+                self.module.name
+            );
+            self.module.nodes[wire.index()].name = Some(name);
+        }
+        wire
+    }
+
+    /// Says how a wire's bits are meant.
+    pub fn mean(&mut self, wire: Wire, meaning: Meaning) -> Wire {
+        self.module.nodes[wire.index()].meaning = meaning;
+        wire
+    }
+
+    /// An input port.
+    pub fn input(&mut self, name: &str, width: u32) -> Wire {
+        let wire = self.push(Operation::Input, width);
+        self.module.nodes[wire.index()].section = 0;
+        self.module.inputs.push(wire);
+        self.name(wire, name)
+    }
+
+    /// An output port, driven by a wire.
+    pub fn output(&mut self, name: &str, wire: Wire) {
+        assert!(
+            !self.module.outputs.iter().any(|(other, _)| other == name),
+            "{}: two outputs named {name}",
+            self.module.name
+        );
+        self.module.outputs.push((name.to_owned(), wire));
+    }
+
+    /// A constant of a width.
+    pub fn constant(&mut self, value: u64, width: u32) -> Wire {
+        assert!(width == 64 || value >> width == 0, "{}: {value} in {width} bits", self.module.name);
+        self.push(Operation::Constant(value), width)
+    }
+
+    /// Every bit inverted.
+    pub fn not(&mut self, a: Wire) -> Wire {
+        self.push(Operation::Not(a), self.width(a))
+    }
+
+    /// Bitwise and.
+    pub fn and(&mut self, a: Wire, b: Wire) -> Wire {
+        let width = self.same_width(a, b);
+        self.push(Operation::And(a, b), width)
+    }
+
+    /// Bitwise or.
+    pub fn or(&mut self, a: Wire, b: Wire) -> Wire {
+        let width = self.same_width(a, b);
+        self.push(Operation::Or(a, b), width)
+    }
+
+    /// Bitwise exclusive or.
+    pub fn xor(&mut self, a: Wire, b: Wire) -> Wire {
+        let width = self.same_width(a, b);
+        self.push(Operation::Xor(a, b), width)
+    }
+
+    /// Sum modulo 2^width.
+    pub fn add(&mut self, a: Wire, b: Wire) -> Wire {
+        let width = self.same_width(a, b);
+        self.push(Operation::Add(a, b), width)
+    }
+
+    /// Difference modulo 2^width.
+    pub fn subtract(&mut self, a: Wire, b: Wire) -> Wire {
+        let width = self.same_width(a, b);
+        self.push(Operation::Subtract(a, b), width)
+    }
+
+    /// Full product.
+    pub fn multiply(&mut self, a: Wire, b: Wire) -> Wire {
+        let width = self.width(a) + self.width(b);
+        self.push(Operation::Multiply(a, b), width)
+    }
+
+    /// `a << amount`, in the width of `a`.
+    pub fn shift_left(&mut self, a: Wire, amount: Wire) -> Wire {
+        self.push(Operation::ShiftLeft(a, amount), self.width(a))
+    }
+
+    /// `a >> amount`, in the width of `a`.
+    pub fn shift_right(&mut self, a: Wire, amount: Wire) -> Wire {
+        self.push(Operation::ShiftRight(a, amount), self.width(a))
+    }
+
+    /// One bit: `a == b`.
+    pub fn equal(&mut self, a: Wire, b: Wire) -> Wire {
+        self.same_width(a, b);
+        self.push(Operation::Equal(a, b), 1)
+    }
+
+    /// One bit: `a < b`, both unsigned.
+    pub fn less_than(&mut self, a: Wire, b: Wire) -> Wire {
+        self.same_width(a, b);
+        self.push(Operation::LessThan(a, b), 1)
+    }
+
+    /// `when_one` where `select` is 1, else `when_zero`.
+    pub fn mux(&mut self, select: Wire, when_one: Wire, when_zero: Wire) -> Wire {
+        assert_eq!(self.width(select), 1, "{}: a select of several bits", self.module.name);
+        let width = self.same_width(when_one, when_zero);
+        self.push(Operation::Mux { select, when_one, when_zero }, width)
+    }
+
+    /// Words side by side, the first at the most significant end.
+    pub fn concat(&mut self, words: &[Wire]) -> Wire {
+        if let [only] = words {
+            return *only;
+        }
+        let width = words.iter().map(|&word| self.width(word)).sum();
+        self.push(Operation::Concat(words.to_vec()), width)
+    }
+
+    /// Bits `low` to `high`, both included.
+    pub fn slice(&mut self, from: Wire, high: u32, low: u32) -> Wire {
+        assert!(
+            low <= high && high < self.width(from),
+            "{}: bits {high}:{low} of {}",
+            self.module.name,
+            self.width(from)
+        );
+        if low == 0 && high + 1 == self.width(from) {
+            return from;
+        }
+        self.push(Operation::Slice { from, low }, high - low + 1)
+    }
+
+    /// One bit of a word.
+    pub fn bit(&mut self, from: Wire, index: u32) -> Wire {
+        self.slice(from, index, index)
+    }
+
+    /// The word with zeros in front.
+    pub fn zero_extend(&mut self, a: Wire, width: u32) -> Wire {
+        let own = self.width(a);
+        assert!(width >= own, "{}: {own} bits extended to {width}", self.module.name);
+        if width == own {
+            return a;
+        }
+        let zeros = self.constant(0, width - own);
+        self.concat(&[zeros, a])
+    }
+
+    /// The word with its most significant bit repeated in front.
+    pub fn sign_extend(&mut self, a: Wire, width: u32) -> Wire {
+        let own = self.width(a);
+        assert!(width >= own, "{}: {own} bits extended to {width}", self.module.name);
+        if width == own {
+            return a;
+        }
+        self.push(Operation::SignExtend(a), width)
+    }
+
+    /// One bit: is any bit 1?
+    pub fn any_bit(&mut self, a: Wire) -> Wire {
+        if self.width(a) == 1 {
+            return a;
+        }
+        self.push(Operation::AnyBit(a), 1)
+    }
+
+    /// One bit: are all bits 1?
+    pub fn all_bits(&mut self, a: Wire) -> Wire {
+        if self.width(a) == 1 {
+            return a;
+        }
+        self.push(Operation::AllBits(a), 1)
+    }
+
+    /// A register whose input is connected later, so that loops can be built.
+    pub fn register(&mut self, width: u32, enable: Option<Wire>, reset: Option<u64>) -> Wire {
+        if let Some(enable) = enable {
+            assert_eq!(self.width(enable), 1, "{}: an enable of several bits", self.module.name);
+        }
+        self.push(Operation::Register { next: None, enable, reset }, width)
+    }
+
+    /// Says what a register takes at the clock edge.
+    pub fn connect(&mut self, register: Wire, value: Wire) {
+        self.same_width(register, value);
+        match &mut self.module.nodes[register.index()].operation {
+            Operation::Register { next: next @ None, .. } => *next = Some(value),
+            _ => panic!("{}: connect of no open register", self.module.name),
+        }
+    }
+
+    /// A register that takes `value` at every enabled edge.
+    pub fn registered(&mut self, value: Wire, enable: Option<Wire>, reset: Option<u64>) -> Wire {
+        let register = self.register(self.width(value), enable, reset);
+        self.connect(register, value);
+        register
+    }
+
+    /// An instance of another module; returns its outputs in order.
+    pub fn instance(&mut self, name: &str, module: &Arc<Module>, inputs: &[Wire]) -> Vec<Wire> {
+        assert_eq!(inputs.len(), module.inputs.len(), "{name}: one wire an input");
+        for (&wire, &port) in inputs.iter().zip(&module.inputs) {
+            assert_eq!(
+                self.width(wire),
+                module.width(port),
+                "{name}: port {}",
+                module.node(port).name.as_deref().unwrap_or("?")
+            );
+        }
+        let instance = self.module.instances.len();
+        self.module.instances.push(Instance {
+            name: name.to_owned(),
+            module: module.clone(),
+            inputs: inputs.to_vec(),
+            section: self.module.sections.len() - 1,
+        });
+        (0..module.outputs.len())
+            .map(|output| {
+                let width = module.width(module.outputs[output].1);
+                self.push(Operation::InstanceOutput { instance, output }, width)
+            })
+            .collect()
+    }
+
+    /// The finished module.
+    ///
+    /// # Panics
+    /// If a register was never connected.
+    pub fn finish(self) -> Arc<Module> {
+        for node in &self.module.nodes {
+            if let Operation::Register { next: None, .. } = node.operation {
+                panic!("{}: a register that takes nothing", self.module.name);
+            }
+        }
+        Arc::new(self.module)
+    }
+}

@@ -1,0 +1,142 @@
+//! What a float is: widths, the special patterns, the rounding directions.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Which representable neighbour an inexact result becomes (IEEE 754-2019, section 4.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Rounding {
+    /// The nearest neighbour; a tie goes to the one whose last fraction bit is 0.
+    NearestEven,
+    /// The neighbour of smaller magnitude: truncation.
+    TowardZero,
+    /// The neighbour nearer to plus infinity.
+    Up,
+    /// The neighbour nearer to minus infinity.
+    Down,
+}
+
+impl Rounding {
+    /// All four, in the order of the documentation.
+    pub const ALL: [Rounding; 4] = [
+        Rounding::NearestEven,
+        Rounding::TowardZero,
+        Rounding::Up,
+        Rounding::Down,
+    ];
+
+    /// The short name used in module names, file names and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Rounding::NearestEven => "rne",
+            Rounding::TowardZero => "rtz",
+            Rounding::Up => "rup",
+            Rounding::Down => "rdn",
+        }
+    }
+}
+
+impl FromStr for Rounding {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Rounding::ALL
+            .into_iter()
+            .find(|rounding| rounding.name() == text)
+            .ok_or_else(|| format!("unknown rounding `{text}`: it is one of rne, rtz, rup, rdn"))
+    }
+}
+
+impl fmt::Display for Rounding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A float format `eXfY`: one sign bit, `X` exponent bits with bias `2^(X-1) - 1`, `Y` fraction
+/// bits. `e7f16` is the 24-bit float of the 2013 hardware paper, written (1,7,16) there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct FloatFormat {
+    /// Exponent bits, 2 to 11.
+    pub exponent_bits: u32,
+    /// Fraction bits, 2 to 52.
+    pub fraction_bits: u32,
+}
+
+impl FloatFormat {
+    /// The 24-bit float of the traverse unit.
+    pub const E7F16: FloatFormat = FloatFormat::new(7, 16);
+    /// A format of eight bits, small enough for every operand pair to be tried.
+    pub const E4F3: FloatFormat = FloatFormat::new(4, 3);
+
+    /// A format of these widths.
+    ///
+    /// # Panics
+    /// If a width is out of its range; in a constant that is a compile error.
+    pub const fn new(exponent_bits: u32, fraction_bits: u32) -> FloatFormat {
+        assert!(exponent_bits >= 2 && exponent_bits <= 11, "2 to 11 exponent bits");
+        assert!(fraction_bits >= 2 && fraction_bits <= 52, "2 to 52 fraction bits");
+        FloatFormat { exponent_bits, fraction_bits }
+    }
+
+    /// Bits of a value: sign, exponent and fraction.
+    pub const fn width(self) -> u32 {
+        1 + self.exponent_bits + self.fraction_bits
+    }
+
+    /// What is subtracted from the exponent field: `2^(E-1) - 1`.
+    pub const fn exponent_bias(self) -> i32 {
+        (1 << (self.exponent_bits - 1)) - 1
+    }
+
+    /// The exponent field of infinities and NaNs: all ones.
+    pub const fn exponent_all_ones(self) -> u64 {
+        (1 << self.exponent_bits) - 1
+    }
+
+    /// A mask of the fraction field.
+    pub const fn fraction_mask(self) -> u64 {
+        (1 << self.fraction_bits) - 1
+    }
+
+    /// A mask of all bits of a value.
+    pub const fn value_mask(self) -> u64 {
+        u64::MAX >> (64 - self.width())
+    }
+
+    /// The sign bit alone; also the pattern of minus zero.
+    pub const fn sign_bit(self) -> u64 {
+        1 << (self.width() - 1)
+    }
+
+    /// Plus infinity: exponent all ones, fraction zero.
+    pub const fn infinity(self) -> u64 {
+        self.exponent_all_ones() << self.fraction_bits
+    }
+
+    /// The one NaN every invalid operation results in: sign 0, exponent all ones, fraction 100...0.
+    pub const fn quiet_nan(self) -> u64 {
+        self.infinity() | (1 << (self.fraction_bits - 1))
+    }
+
+    /// The largest finite value.
+    pub const fn max_finite(self) -> u64 {
+        self.infinity() - 1
+    }
+
+    /// One: the exponent field at the bias, the fraction zero.
+    pub const fn one(self) -> u64 {
+        (self.exponent_bias() as u64) << self.fraction_bits
+    }
+
+    /// Smallest positive normal value.
+    pub const fn min_normal(self) -> u64 {
+        1 << self.fraction_bits
+    }
+}
+
+impl fmt::Display for FloatFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "e{}f{}", self.exponent_bits, self.fraction_bits)
+    }
+}

@@ -1,0 +1,17 @@
+//! The golden model: a displacement-mapping traverse unit, bit for bit, with no knowledge of
+//! Verilog, of tools or of a command line.
+//!
+//! Start with [`arith`], the operators a unit's hardware has; [`units`] holds the datapaths written
+//! once over them; [`readings`] evaluates those datapaths in a number format; [`float`] is the
+//! integer-only float arithmetic behind the golden values; [`exact`] is the independent judge.
+
+pub mod arith;
+pub mod calibration;
+pub mod camera;
+pub mod exact;
+pub mod float;
+pub mod maps;
+pub mod picture;
+pub mod readings;
+pub mod scene;
+pub mod units;

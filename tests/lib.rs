@@ -1,0 +1,1 @@
+//! End-to-end tests of the public command line and the public crates live in `tests/`.
