@@ -1,4 +1,8 @@
 //! From the golden model's datapaths to Verilog, vectors, testbenches and simulators.
 
+pub mod emit;
 pub mod netlist;
 pub mod operators;
+pub mod pipeline;
+pub mod simulate;
+pub mod wave;

@@ -178,26 +178,36 @@ impl Module {
 
     /// Has it a register, its own or an instance's? Then it has the port `clk_i`.
     pub fn is_clocked(&self) -> bool {
-        self.nodes.iter().any(|node| matches!(node.operation, Operation::Register { .. }))
-            || self.instances.iter().any(|instance| instance.module.is_clocked())
+        self.nodes
+            .iter()
+            .any(|node| matches!(node.operation, Operation::Register { .. }))
+            || self
+                .instances
+                .iter()
+                .any(|instance| instance.module.is_clocked())
     }
 
     /// Has it a register with a reset value, its own or an instance's? Then it has `rst_ni`.
     pub fn has_reset(&self) -> bool {
-        let own = |node: &Node| {
-            matches!(node.operation, Operation::Register { reset: Some(_), .. })
-        };
+        let own =
+            |node: &Node| matches!(node.operation, Operation::Register { reset: Some(_), .. });
         self.nodes.iter().any(own) || self.instances.iter().any(|i| i.module.has_reset())
     }
 
     /// The input port of this name.
     pub fn input(&self, name: &str) -> Option<Wire> {
-        self.inputs.iter().copied().find(|&wire| self.node(wire).name.as_deref() == Some(name))
+        self.inputs
+            .iter()
+            .copied()
+            .find(|&wire| self.node(wire).name.as_deref() == Some(name))
     }
 
     /// What drives the output port of this name.
     pub fn output(&self, name: &str) -> Option<Wire> {
-        self.outputs.iter().find(|(output, _)| output == name).map(|&(_, wire)| wire)
+        self.outputs
+            .iter()
+            .find(|(output, _)| output == name)
+            .map(|&(_, wire)| wire)
     }
 
     /// This module and every module it uses, each once, users after what they use.
@@ -260,7 +270,11 @@ impl Builder {
     }
 
     fn push(&mut self, operation: Operation, width: u32) -> Wire {
-        assert!((1..=64).contains(&width), "{}: a width of {width} bits", self.module.name);
+        assert!(
+            (1..=64).contains(&width),
+            "{}: a width of {width} bits",
+            self.module.name
+        );
         let section = self.module.sections.len() - 1;
         let wire = Wire(u32::try_from(self.module.nodes.len()).expect("fewer than 2^32 nodes"));
         self.module.nodes.push(Node {
@@ -294,7 +308,11 @@ impl Builder {
         let name = name.into();
         if self.module.node(wire).name.is_none() {
             assert!(
-                !self.module.nodes.iter().any(|node| node.name.as_deref() == Some(&name)),
+                !self
+                    .module
+                    .nodes
+                    .iter()
+                    .any(|node| node.name.as_deref() == Some(&name)),
                 "{}: two signals named {name}",
                 self.module.name
             );
@@ -329,7 +347,11 @@ impl Builder {
 
     /// A constant of a width.
     pub fn constant(&mut self, value: u64, width: u32) -> Wire {
-        assert!(width == 64 || value >> width == 0, "{}: {value} in {width} bits", self.module.name);
+        assert!(
+            width == 64 || value >> width == 0,
+            "{}: {value} in {width} bits",
+            self.module.name
+        );
         self.push(Operation::Constant(value), width)
     }
 
@@ -398,9 +420,21 @@ impl Builder {
 
     /// `when_one` where `select` is 1, else `when_zero`.
     pub fn mux(&mut self, select: Wire, when_one: Wire, when_zero: Wire) -> Wire {
-        assert_eq!(self.width(select), 1, "{}: a select of several bits", self.module.name);
+        assert_eq!(
+            self.width(select),
+            1,
+            "{}: a select of several bits",
+            self.module.name
+        );
         let width = self.same_width(when_one, when_zero);
-        self.push(Operation::Mux { select, when_one, when_zero }, width)
+        self.push(
+            Operation::Mux {
+                select,
+                when_one,
+                when_zero,
+            },
+            width,
+        )
     }
 
     /// Words side by side, the first at the most significant end.
@@ -434,7 +468,11 @@ impl Builder {
     /// The word with zeros in front.
     pub fn zero_extend(&mut self, a: Wire, width: u32) -> Wire {
         let own = self.width(a);
-        assert!(width >= own, "{}: {own} bits extended to {width}", self.module.name);
+        assert!(
+            width >= own,
+            "{}: {own} bits extended to {width}",
+            self.module.name
+        );
         if width == own {
             return a;
         }
@@ -445,7 +483,11 @@ impl Builder {
     /// The word with its most significant bit repeated in front.
     pub fn sign_extend(&mut self, a: Wire, width: u32) -> Wire {
         let own = self.width(a);
-        assert!(width >= own, "{}: {own} bits extended to {width}", self.module.name);
+        assert!(
+            width >= own,
+            "{}: {own} bits extended to {width}",
+            self.module.name
+        );
         if width == own {
             return a;
         }
@@ -471,16 +513,30 @@ impl Builder {
     /// A register whose input is connected later, so that loops can be built.
     pub fn register(&mut self, width: u32, enable: Option<Wire>, reset: Option<u64>) -> Wire {
         if let Some(enable) = enable {
-            assert_eq!(self.width(enable), 1, "{}: an enable of several bits", self.module.name);
+            assert_eq!(
+                self.width(enable),
+                1,
+                "{}: an enable of several bits",
+                self.module.name
+            );
         }
-        self.push(Operation::Register { next: None, enable, reset }, width)
+        self.push(
+            Operation::Register {
+                next: None,
+                enable,
+                reset,
+            },
+            width,
+        )
     }
 
     /// Says what a register takes at the clock edge.
     pub fn connect(&mut self, register: Wire, value: Wire) {
         self.same_width(register, value);
         match &mut self.module.nodes[register.index()].operation {
-            Operation::Register { next: next @ None, .. } => *next = Some(value),
+            Operation::Register {
+                next: next @ None, ..
+            } => *next = Some(value),
             _ => panic!("{}: connect of no open register", self.module.name),
         }
     }
@@ -494,7 +550,11 @@ impl Builder {
 
     /// An instance of another module; returns its outputs in order.
     pub fn instance(&mut self, name: &str, module: &Arc<Module>, inputs: &[Wire]) -> Vec<Wire> {
-        assert_eq!(inputs.len(), module.inputs.len(), "{name}: one wire an input");
+        assert_eq!(
+            inputs.len(),
+            module.inputs.len(),
+            "{name}: one wire an input"
+        );
         for (&wire, &port) in inputs.iter().zip(&module.inputs) {
             assert_eq!(
                 self.width(wire),

@@ -74,9 +74,18 @@ impl FloatFormat {
     /// # Panics
     /// If a width is out of its range; in a constant that is a compile error.
     pub const fn new(exponent_bits: u32, fraction_bits: u32) -> FloatFormat {
-        assert!(exponent_bits >= 2 && exponent_bits <= 11, "2 to 11 exponent bits");
-        assert!(fraction_bits >= 2 && fraction_bits <= 52, "2 to 52 fraction bits");
-        FloatFormat { exponent_bits, fraction_bits }
+        assert!(
+            exponent_bits >= 2 && exponent_bits <= 11,
+            "2 to 11 exponent bits"
+        );
+        assert!(
+            fraction_bits >= 2 && fraction_bits <= 52,
+            "2 to 52 fraction bits"
+        );
+        FloatFormat {
+            exponent_bits,
+            fraction_bits,
+        }
     }
 
     /// Bits of a value: sign, exponent and fraction.

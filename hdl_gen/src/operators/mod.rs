@@ -1,0 +1,1 @@
+//! Float operators as netlists, written without a look at the golden arithmetic.
