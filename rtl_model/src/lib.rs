@@ -10,6 +10,7 @@ pub mod calibration;
 pub mod camera;
 pub mod exact;
 pub mod float;
+pub mod machine;
 pub mod maps;
 pub mod picture;
 pub mod readings;
