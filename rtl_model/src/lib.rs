@@ -12,6 +12,7 @@ pub mod exact;
 pub mod float;
 pub mod maps;
 pub mod picture;
+pub mod ray;
 pub mod readings;
 pub mod scene;
 pub mod units;
