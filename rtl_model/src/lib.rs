@@ -13,6 +13,7 @@ pub mod float;
 pub mod machine;
 pub mod maps;
 pub mod picture;
+pub mod ray;
 pub mod readings;
 pub mod scene;
 pub mod units;
