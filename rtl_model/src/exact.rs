@@ -132,7 +132,7 @@ pub fn exact_hit(map: &HeightMap, ray: Ray<f64>) -> Result<ExactHit, ExactError>
         let i = axis_u.texel.rem_euclid(i128::from(map.size())) as u32;
         let j = axis_v.texel.rem_euclid(i128::from(map.size())) as u32;
         let depth = ExactDepth {
-            numerator: full_height - i128::from(map.height(i, j)),
+            numerator: full_height - i128::from(map.height(i.into(), j.into())),
             denominator: full_height,
         };
         let hit = |t, side| Ok(ExactHit { i, j, t, side, texels });

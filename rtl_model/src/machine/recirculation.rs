@@ -78,7 +78,7 @@ pub struct CycleOutputs<N> {
 
 /// What stands in the registers of the first stage in a cycle, and all that will be computed from
 /// it while it goes down the pipeline.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct StageEntry<R: Word> {
     /// Is it a ray? Else a gap: the idle ray of the input ports, computed on like any other.
     pub valid: bool,
@@ -96,12 +96,6 @@ pub struct StageEntry<R: Word> {
 struct Outcome<R: Word> {
     walk: WalkRegisters<Traced<R>>,
     hit: Hit<R::Num>,
-}
-
-impl<R: Word> Clone for Outcome<R> {
-    fn clone(&self) -> Self {
-        Outcome { walk: self.walk, hit: self.hit }
-    }
 }
 
 /// The traverse unit of a map, in a number format.
@@ -125,8 +119,10 @@ impl<'a, R: Word> TraverseMachine<'a, R> {
         let idle = Ray { u: zero, v: zero, du: zero, dv: zero };
         let memory = pyramid.memory();
         let (ray, walk) = set_up(&mut traced, shape, idle);
-        let entry = enter(&mut traced, shape, memory, Occupant { valid: false, id: 0 }, ray, walk);
-        let stages = vec![entry; latency as usize + 1];
+        let gap = Occupant { valid: false, id: 0 };
+        let stages = (0..=latency)
+            .map(|_| enter(&mut traced, shape, memory, gap, ray, walk))
+            .collect();
         TraverseMachine { traced, shape, memory, stages, first: 0, cycle: 0 }
     }
 
@@ -184,6 +180,7 @@ impl<'a, R: Word> TraverseMachine<'a, R> {
     }
 }
 
+#[derive(Clone, Copy)]
 struct Occupant {
     valid: bool,
     id: u32,
