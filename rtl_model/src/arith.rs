@@ -37,6 +37,10 @@ pub trait Arith {
     /// infinity where there is none. Readings that do not round answer `a` itself: the operator
     /// turns a lower bound into an upper one, and there the two are the same.
     fn ulps_up(&mut self, a: Self::Num, ulps: u32) -> Self::Num;
+    /// The power of two below which every multiple of `a`'s last nonzero fraction bit is
+    /// representable; infinity for zero, and in readings that do not round. A difference of `a`
+    /// and a number of no finer grain is exact if its result is below this.
+    fn exact_below(&mut self, a: Self::Num) -> Self::Num;
     /// `-a` where `condition` holds, else `a`. Exact.
     fn negate_if(&mut self, condition: Self::Bit, a: Self::Num) -> Self::Num;
     /// `|a|`. Exact.

@@ -89,8 +89,17 @@ impl Axis {
         let texel = start.div_euclid(unit);
         let on_border = start.rem_euclid(unit) == 0;
         // A ray on a border belongs to the texel it travels into.
-        let texel = if on_border && direction < 0 { texel - 1 } else { texel };
-        Axis { start, direction, texel, scale }
+        let texel = if on_border && direction < 0 {
+            texel - 1
+        } else {
+            texel
+        };
+        Axis {
+            start,
+            direction,
+            texel,
+            scale,
+        }
     }
 
     /// The depth at which the ray leaves its texel on this axis; `None` if never.
@@ -117,15 +126,27 @@ impl Axis {
 /// # Errors
 /// If the ray is not finite, or its numbers do not fit the integers used here.
 pub fn exact_hit(map: &HeightMap, ray: Ray<f64>) -> Result<ExactHit, ExactError> {
-    let parts = [dyadic(ray.u)?, dyadic(ray.v)?, dyadic(ray.du)?, dyadic(ray.dv)?];
-    let scale = parts.iter().map(|part| part.fraction_bits).max().unwrap_or(0);
+    let parts = [
+        dyadic(ray.u)?,
+        dyadic(ray.v)?,
+        dyadic(ray.du)?,
+        dyadic(ray.dv)?,
+    ];
+    let scale = parts
+        .iter()
+        .map(|part| part.fraction_bits)
+        .max()
+        .unwrap_or(0);
     let [u, v, du, dv] = parts.map(|part| {
         part.mantissa * (1_i128 << (scale - part.fraction_bits)) * i128::from(map.size())
     });
     let mut axis_u = Axis::new(u, du, scale);
     let mut axis_v = Axis::new(v, dv, scale);
     let full_height = (1_i128 << map.bits()) - 1;
-    let mut entry = ExactDepth { numerator: 0, denominator: 1 };
+    let mut entry = ExactDepth {
+        numerator: 0,
+        denominator: 1,
+    };
     let mut texels = 0;
     loop {
         texels += 1;
@@ -135,7 +156,15 @@ pub fn exact_hit(map: &HeightMap, ray: Ray<f64>) -> Result<ExactHit, ExactError>
             numerator: full_height - i128::from(map.height(i.into(), j.into())),
             denominator: full_height,
         };
-        let hit = |t, side| Ok(ExactHit { i, j, t, side, texels });
+        let hit = |t, side| {
+            Ok(ExactHit {
+                i,
+                j,
+                t,
+                side,
+                texels,
+            })
+        };
         if compare(depth, entry) != Ordering::Greater {
             return hit(entry, true);
         }
@@ -148,7 +177,11 @@ pub fn exact_hit(map: &HeightMap, ray: Ray<f64>) -> Result<ExactHit, ExactError>
         let exit = if u_first { exit_u } else { exit_v };
         match exit {
             Some(exit) if compare(depth, exit) == Ordering::Greater => {
-                if u_first { axis_u.cross() } else { axis_v.cross() }
+                if u_first {
+                    axis_u.cross()
+                } else {
+                    axis_v.cross()
+                }
                 entry = exit;
             }
             _ => return hit(depth, false),
@@ -203,7 +236,10 @@ fn dyadic(value: f64) -> Result<Dyadic, ExactError> {
     let spare = mantissa.trailing_zeros().min(fraction_bits);
     mantissa >>= spare;
     fraction_bits -= spare;
-    Ok(Dyadic { mantissa, fraction_bits })
+    Ok(Dyadic {
+        mantissa,
+        fraction_bits,
+    })
 }
 
 #[cfg(test)]
@@ -268,7 +304,15 @@ mod tests {
 
     #[test]
     fn products_of_any_width_compare_rightly() {
-        let cases = [0, 1, 3, (1 << 64) - 1, 1 << 64, (1_u128 << 100) + 7, u128::MAX >> 1];
+        let cases = [
+            0,
+            1,
+            3,
+            (1 << 64) - 1,
+            1 << 64,
+            (1_u128 << 100) + 7,
+            u128::MAX >> 1,
+        ];
         for a in cases {
             for b in cases {
                 let big = BigInt::from(a) * BigInt::from(b);

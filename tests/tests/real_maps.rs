@@ -32,7 +32,11 @@ impl Tally {
     }
 }
 
-fn judge<R: NumberFormat + Default>(map: &HeightMap, pyramid: &Pyramid, rays: &[Ray<f64>]) -> Tally {
+fn judge<R: NumberFormat + Default>(
+    map: &HeightMap,
+    pyramid: &Pyramid,
+    rays: &[Ray<f64>],
+) -> Tally {
     rays.par_chunks(1024)
         .map(|rays| {
             let mut reading = R::default();
@@ -56,7 +60,9 @@ fn judge<R: NumberFormat + Default>(map: &HeightMap, pyramid: &Pyramid, rays: &[
                 }
                 if truth.t.compare_with(t) == Ordering::Less {
                     tally.late += 1;
-                    if tally.late < 3 { println!("late: {hit:?} {t} {truth:?} {}", truth.t.to_f64()); }
+                    if tally.late < 3 {
+                        println!("late: {hit:?} {t} {truth:?} {}", truth.t.to_f64());
+                    }
                 }
             }
             tally
@@ -73,10 +79,26 @@ fn e7f16_errs_early_and_rarely() {
         let pyramid = Pyramid::new(&map);
         for (name, camera) in CAMERAS {
             let view = View::new(&camera, &calibrated.surface, 256, 192);
-            let rays: Vec<_> = view.rays(map.size()).unwrap().into_iter().flatten().collect();
+            let rays: Vec<_> = view
+                .rays(map.size())
+                .unwrap()
+                .into_iter()
+                .flatten()
+                .collect();
             let f = judge::<F64Reading>(&map, &pyramid, &rays);
             let e = judge::<FloatReading<E7F16>>(&map, &pyramid, &rays);
-            println!("{:8} {name:8} f64 {:.2} wrong {} late {} | e7f16 {:.2} wrong {} ({:.4} %) late {} guards {}", calibrated.name, f.steps as f64 / f.rays as f64, f.wrong, f.late, e.steps as f64/e.rays as f64, e.wrong, 100.0*e.wrong as f64/e.rays as f64, e.late, e.guards);
+            println!(
+                "{:8} {name:8} f64 {:.2} wrong {} late {} | e7f16 {:.2} wrong {} ({:.4} %) late {} guards {}",
+                calibrated.name,
+                f.steps as f64 / f.rays as f64,
+                f.wrong,
+                f.late,
+                e.steps as f64 / e.rays as f64,
+                e.wrong,
+                100.0 * e.wrong as f64 / e.rays as f64,
+                e.late,
+                e.guards
+            );
             all = all.plus(e);
         }
     }

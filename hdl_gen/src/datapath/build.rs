@@ -4,7 +4,7 @@ use super::record::Recording;
 use super::schedule::{OperatorLatencies, Schedule};
 use super::signal::{Kind, RecordedOperation, SignalId};
 use crate::netlist::{Builder, Meaning, Module, Wire};
-use crate::operators::{OperatorKind, float_operator};
+use crate::operators::{FloatOperator, float_operator};
 use rtl_model::float::Rounding;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -105,7 +105,11 @@ impl Build<'_> {
         }
         for output in &self.recording.outputs {
             let available = self.schedule.available[output.signal.index()].unwrap_or(0);
-            let stage = if output.early { available } else { self.schedule.last_stage };
+            let stage = if output.early {
+                available
+            } else {
+                self.schedule.last_stage
+            };
             let wire = self.wire(output.signal, stage);
             self.builder.output(&format!("{}_o", output.name), wire);
         }
@@ -116,9 +120,10 @@ impl Build<'_> {
     fn registers_of(&mut self, stage: u32) {
         for index in 0..self.recording.signals.len() {
             let id = SignalId(index);
-            let (Some(available), Some(last_read)) =
-                (self.schedule.available[index], self.schedule.last_read[index])
-            else {
+            let (Some(available), Some(last_read)) = (
+                self.schedule.available[index],
+                self.schedule.last_read[index],
+            ) else {
                 continue;
             };
             if available < stage && stage <= last_read {
@@ -197,9 +202,9 @@ impl Build<'_> {
         let width = self.recording.width(id);
         match self.recording.signal(id).operation {
             RecordedOperation::Zero => self.builder.constant(0, width),
-            RecordedOperation::Constant(value) => {
-                self.builder.constant(value as u64 & (u64::MAX >> (64 - width)), width)
-            }
+            RecordedOperation::Constant(value) => self
+                .builder
+                .constant(value as u64 & (u64::MAX >> (64 - width)), width),
             _ => *self.wires.get(&(id, stage)).unwrap_or_else(|| {
                 panic!("{} is not there in stage {stage}", self.name(id));
             }),
@@ -215,20 +220,28 @@ impl Build<'_> {
     fn instance(
         &mut self,
         id: SignalId,
-        kind: OperatorKind,
+        kind: FloatOperator,
         rounding: Rounding,
         inputs: &[Wire],
     ) -> Wire {
         let latency = self.latencies.of(&self.recording.signal(id).operation);
         let made = float_operator(kind, self.recording.format, rounding, latency);
-        let module = self.operators.entry(made.name.clone()).or_insert(made).clone();
+        let module = self
+            .operators
+            .entry(made.name.clone())
+            .or_insert(made)
+            .clone();
         let mut ports = Vec::new();
         if latency > 0 {
-            ports.push(self.enable.expect("a datapath with an operator has an enable"));
+            ports.push(
+                self.enable
+                    .expect("a datapath with an operator has an enable"),
+            );
         }
         ports.extend_from_slice(inputs);
         let name = self.name(id);
-        self.builder.instance(&format!("{name}_operator"), &module, &ports)[0]
+        self.builder
+            .instance(&format!("{name}_operator"), &module, &ports)[0]
     }
 
     fn operation(&mut self, id: SignalId, stage: u32) -> Wire {
@@ -239,18 +252,22 @@ impl Build<'_> {
         let any = Rounding::NearestEven;
         match operation {
             Input { .. } | Zero | Constant(_) => unreachable!("made where it is used"),
-            Add(rounding, a, b) => self.binary(id, stage, OperatorKind::Add, rounding, a, b),
-            Sub(rounding, a, b) => self.binary(id, stage, OperatorKind::Sub, rounding, a, b),
-            Mul(rounding, a, b) => self.binary(id, stage, OperatorKind::Mul, rounding, a, b),
-            Div(rounding, a, b) => self.binary(id, stage, OperatorKind::Div, rounding, a, b),
-            LessThan(a, b) => self.binary(id, stage, OperatorKind::LessThan, any, a, b),
-            LessEqual(a, b) => self.binary(id, stage, OperatorKind::LessEqual, any, a, b),
+            Add(rounding, a, b) => self.binary(id, stage, FloatOperator::Add, rounding, a, b),
+            Sub(rounding, a, b) => self.binary(id, stage, FloatOperator::Subtract, rounding, a, b),
+            Mul(rounding, a, b) => self.binary(id, stage, FloatOperator::Multiply, rounding, a, b),
+            Div(rounding, a, b) => self.binary(id, stage, FloatOperator::Divide, rounding, a, b),
+            LessThan(a, b) => self.binary(id, stage, FloatOperator::LessThan, any, a, b),
+            LessEqual(a, b) => self.binary(id, stage, FloatOperator::LessEqual, any, a, b),
             UlpsUp(a, ulps) => {
                 let a = self.wire(a, stage);
-                self.instance(id, OperatorKind::UlpsUp { ulps }, any, &[a])
+                self.instance(id, FloatOperator::UlpsUp { ulps }, any, &[a])
+            }
+            ExactBelow(a) => {
+                let a = self.wire(a, stage);
+                self.instance(id, FloatOperator::ExactBelow, any, &[a])
             }
             FromInteger(rounding, value, exponent) => {
-                let kind = OperatorKind::FromInteger {
+                let kind = FloatOperator::FromInteger {
                     value_bits: self.recording.width(value),
                     exponent_bits: self.recording.width(exponent),
                 };
@@ -259,7 +276,7 @@ impl Build<'_> {
             DepthFromHeight(height, bits) => {
                 let height = self.wire(height, stage);
                 let height = self.builder.slice(height, bits - 1, 0);
-                self.instance(id, OperatorKind::DepthFromHeight { bits }, any, &[height])
+                self.instance(id, FloatOperator::DepthFromHeight { bits }, any, &[height])
             }
             NegateIf(condition, a) => {
                 let (condition, a) = (self.wire(condition, stage), self.wire(a, stage));
@@ -285,8 +302,10 @@ impl Build<'_> {
             }
             Select(condition, one, zero) => {
                 let condition = self.wire(condition, stage);
-                let (one, zero) =
-                    (self.integer(one, stage, width), self.integer(zero, stage, width));
+                let (one, zero) = (
+                    self.integer(one, stage, width),
+                    self.integer(zero, stage, width),
+                );
                 self.builder.mux(condition, one, zero)
             }
             IntAdd(a, b) => {
@@ -351,7 +370,7 @@ impl Build<'_> {
         &mut self,
         id: SignalId,
         stage: u32,
-        kind: OperatorKind,
+        kind: FloatOperator,
         rounding: Rounding,
         a: SignalId,
         b: SignalId,

@@ -1,8 +1,6 @@
 //! Records a datapath: the reading of [`Arith`] in which a value is a signal yet to be computed.
 
-use super::signal::{
-    BitSignal, IntSignal, Kind, NumSignal, Recorded, RecordedOperation, SignalId,
-};
+use super::signal::{BitSignal, IntSignal, Kind, NumSignal, Recorded, RecordedOperation, SignalId};
 use rtl_model::arith::Arith;
 use rtl_model::float::{FloatFormat, Rounding};
 
@@ -47,14 +45,20 @@ impl Recording {
     /// The inputs, in order.
     pub fn inputs(&self) -> impl Iterator<Item = SignalId> + '_ {
         let is_input = |&index: &usize| {
-            matches!(self.signals[index].operation, RecordedOperation::Input { .. })
+            matches!(
+                self.signals[index].operation,
+                RecordedOperation::Input { .. }
+            )
         };
         (0..self.signals.len()).filter(is_input).map(SignalId)
     }
 
     /// Operations recorded: the words that the golden reading keeps for an evaluation.
     pub fn word_count(&self) -> usize {
-        self.signals.iter().filter(|signal| signal.word.is_some()).count()
+        self.signals
+            .iter()
+            .filter(|signal| signal.word.is_some())
+            .count()
     }
 }
 
@@ -69,7 +73,11 @@ impl Recorder {
     /// Nothing recorded yet; numbers are floats of `format`.
     pub fn new(format: FloatFormat) -> Recorder {
         Recorder {
-            recording: Recording { format, signals: Vec::new(), outputs: Vec::new() },
+            recording: Recording {
+                format,
+                signals: Vec::new(),
+                outputs: Vec::new(),
+            },
             words: 0,
         }
     }
@@ -125,7 +133,12 @@ impl Recorder {
     fn record(&mut self, operation: RecordedOperation, kind: Kind) -> SignalId {
         let word = Some(self.words);
         self.words += 1;
-        self.recording.signals.push(Recorded { operation, kind, name: None, word });
+        self.recording.signals.push(Recorded {
+            operation,
+            kind,
+            name: None,
+            word,
+        });
         SignalId(self.recording.signals.len() - 1)
     }
 
@@ -157,7 +170,10 @@ impl Recorder {
 
 /// Bits of a two's complement integer that holds `value`.
 fn signed_bits(value: i64) -> u32 {
-    65 - value.unsigned_abs().leading_zeros().min((!value).unsigned_abs().leading_zeros())
+    65 - value
+        .unsigned_abs()
+        .leading_zeros()
+        .min((!value).unsigned_abs().leading_zeros())
 }
 
 impl Arith for Recorder {
@@ -182,6 +198,9 @@ impl Arith for Recorder {
     }
     fn ulps_up(&mut self, a: NumSignal, ulps: u32) -> NumSignal {
         self.num(RecordedOperation::UlpsUp(a.0, ulps))
+    }
+    fn exact_below(&mut self, a: NumSignal) -> NumSignal {
+        self.num(RecordedOperation::ExactBelow(a.0))
     }
     fn negate_if(&mut self, condition: BitSignal, a: NumSignal) -> NumSignal {
         self.num(RecordedOperation::NegateIf(condition.0, a.0))
@@ -210,7 +229,9 @@ impl Arith for Recorder {
         value: IntSignal,
         exponent: IntSignal,
     ) -> NumSignal {
-        self.num(RecordedOperation::FromInteger(rounding, value.0, exponent.0))
+        self.num(RecordedOperation::FromInteger(
+            rounding, value.0, exponent.0,
+        ))
     }
     fn depth_from_height(&mut self, height: IntSignal, bits: u32) -> NumSignal {
         self.num(RecordedOperation::DepthFromHeight(height.0, bits))
@@ -227,7 +248,10 @@ impl Arith for Recorder {
     }
     fn int_shift_left(&mut self, a: IntSignal, amount: IntSignal, amount_bits: u32) -> IntSignal {
         let bits = self.bits(a) + (1 << amount_bits) - 1;
-        self.int(RecordedOperation::IntShiftLeft(a.0, amount.0, amount_bits), bits)
+        self.int(
+            RecordedOperation::IntShiftLeft(a.0, amount.0, amount_bits),
+            bits,
+        )
     }
     fn int_wrap(&mut self, a: IntSignal, bits: u32) -> IntSignal {
         let kept = bits.min(self.bits(a));
@@ -244,7 +268,10 @@ impl Arith for Recorder {
         self.int(RecordedOperation::Or(a.0, b.0), self.wider(a, b))
     }
     fn int_complement_if(&mut self, condition: BitSignal, a: IntSignal) -> IntSignal {
-        self.int(RecordedOperation::IntComplementIf(condition.0, a.0), self.bits(a))
+        self.int(
+            RecordedOperation::IntComplementIf(condition.0, a.0),
+            self.bits(a),
+        )
     }
     fn int_equal(&mut self, a: IntSignal, b: IntSignal) -> BitSignal {
         self.bit(RecordedOperation::IntEqual(a.0, b.0))

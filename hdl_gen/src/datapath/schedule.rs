@@ -61,15 +61,23 @@ impl Schedule {
     /// The stage in which an operation reads its operands; 0 if all of them are constants.
     pub fn read_stage(&self, operation: &RecordedOperation) -> u32 {
         let available = |id: &SignalId| self.available[id.index()];
-        operation.operands().iter().filter_map(available).max().unwrap_or(0)
+        operation
+            .operands()
+            .iter()
+            .filter_map(available)
+            .max()
+            .unwrap_or(0)
     }
 }
 
 /// As soon as possible: every operation starts in the first stage in which its operands are there.
 pub fn schedule(recording: &Recording, latencies: &OperatorLatencies) -> Schedule {
     let count = recording.signals.len();
-    let mut schedule =
-        Schedule { available: vec![None; count], last_read: vec![None; count], last_stage: 0 };
+    let mut schedule = Schedule {
+        available: vec![None; count],
+        last_read: vec![None; count],
+        last_stage: 0,
+    };
     for (index, signal) in recording.signals.iter().enumerate() {
         schedule.available[index] = match signal.operation {
             RecordedOperation::Input { stage } => Some(stage),
@@ -79,10 +87,17 @@ pub fn schedule(recording: &Recording, latencies: &OperatorLatencies) -> Schedul
     }
     let available = |id: SignalId| schedule.available[id.index()].unwrap_or(0);
     let together = recording.outputs.iter().filter(|output| !output.early);
-    schedule.last_stage = together.map(|output| available(output.signal)).max().unwrap_or(0);
+    schedule.last_stage = together
+        .map(|output| available(output.signal))
+        .max()
+        .unwrap_or(0);
     let mut last_read: Vec<Option<u32>> = vec![None; count];
     for output in &recording.outputs {
-        let stage = if output.early { available(output.signal) } else { schedule.last_stage };
+        let stage = if output.early {
+            available(output.signal)
+        } else {
+            schedule.last_stage
+        };
         let read = &mut last_read[output.signal.index()];
         *read = (*read).max(Some(stage));
     }

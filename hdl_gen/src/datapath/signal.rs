@@ -70,6 +70,8 @@ pub enum RecordedOperation {
     Div(Rounding, SignalId, SignalId),
     /// `ulps_up`.
     UlpsUp(SignalId, u32),
+    /// `exact_below`.
+    ExactBelow(SignalId),
     /// `negate_if`.
     NegateIf(SignalId, SignalId),
     /// `magnitude`.
@@ -123,6 +125,7 @@ impl RecordedOperation {
         match *self {
             Input { .. } | Zero | Constant(_) => vec![],
             UlpsUp(a, _)
+            | ExactBelow(a)
             | Magnitude(a)
             | IsNegative(a)
             | IsZero(a)
@@ -153,7 +156,10 @@ impl RecordedOperation {
 
     /// Has it the same value in every cycle?
     pub fn is_constant(&self) -> bool {
-        matches!(self, RecordedOperation::Zero | RecordedOperation::Constant(_))
+        matches!(
+            self,
+            RecordedOperation::Zero | RecordedOperation::Constant(_)
+        )
     }
 }
 

@@ -25,6 +25,7 @@
 mod conversion;
 mod depth;
 mod format;
+mod grain;
 mod order;
 mod pattern;
 mod product;

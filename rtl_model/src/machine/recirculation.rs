@@ -30,11 +30,13 @@ pub enum RegisterKind {
 
 /// The registers in front of the pipeline's first stage, in the order of [`StageEntry::inputs`]:
 /// first what a ray keeps, then what its walk changes. The netlist is built from this list.
-pub const STEP_INPUTS: [(&str, RegisterKind); 16] = [
+pub const STEP_INPUTS: [(&str, RegisterKind); 18] = [
     ("u", RegisterKind::Number),
     ("v", RegisterKind::Number),
     ("du", RegisterKind::Number),
     ("dv", RegisterKind::Number),
+    ("exact_below_u", RegisterKind::Number),
+    ("exact_below_v", RegisterKind::Number),
     ("mirror_u", RegisterKind::Bit),
     ("mirror_v", RegisterKind::Bit),
     ("level", RegisterKind::Integer(LEVEL_BITS)),
@@ -114,16 +116,34 @@ impl<'a, R: Word> TraverseMachine<'a, R> {
     /// The machine after its reset, in which every stage has filled with the idle ray.
     pub fn new(reading: R, pyramid: &'a Pyramid, latency: u32) -> Self {
         let shape = shape_for(pyramid);
-        let mut traced = Traced { reading, words: Vec::new() };
+        let mut traced = Traced {
+            reading,
+            words: Vec::new(),
+        };
         let zero = traced.reading.zero();
-        let idle = Ray { u: zero, v: zero, du: zero, dv: zero };
+        let idle = Ray {
+            u: zero,
+            v: zero,
+            du: zero,
+            dv: zero,
+        };
         let memory = pyramid.memory();
         let (ray, walk) = set_up(&mut traced, shape, idle);
-        let gap = Occupant { valid: false, id: 0 };
+        let gap = Occupant {
+            valid: false,
+            id: 0,
+        };
         let stages = (0..=latency)
             .map(|_| enter(&mut traced, shape, memory, gap, ray, walk))
             .collect();
-        TraverseMachine { traced, shape, memory, stages, first: 0, cycle: 0 }
+        TraverseMachine {
+            traced,
+            shape,
+            memory,
+            stages,
+            first: 0,
+            cycle: 0,
+        }
     }
 
     /// Cycles since reset.
@@ -163,14 +183,34 @@ impl<'a, R: Word> TraverseMachine<'a, R> {
         let words = std::mem::take(&mut last.words);
         let (occupant, ray, walk) = if outputs.ray_ready {
             let (ray, walk) = set_up(&mut self.traced, self.shape, inputs.ray);
-            (Occupant { valid: inputs.ray_valid, id: inputs.ray_id }, ray, walk)
+            (
+                Occupant {
+                    valid: inputs.ray_valid,
+                    id: inputs.ray_id,
+                },
+                ray,
+                walk,
+            )
         } else {
-            (Occupant { valid: true, id: last.id }, last.ray, last.outcome.walk)
+            (
+                Occupant {
+                    valid: true,
+                    id: last.id,
+                },
+                last.ray,
+                last.outcome.walk,
+            )
         };
         // The words of the slot that falls free hold the next ones: nothing is allocated.
         self.traced.words = words;
-        self.stages[slot] =
-            enter(&mut self.traced, self.shape, self.memory, occupant, ray, walk);
+        self.stages[slot] = enter(
+            &mut self.traced,
+            self.shape,
+            self.memory,
+            occupant,
+            ray,
+            walk,
+        );
         self.first = slot;
         self.cycle += 1;
     }
@@ -211,6 +251,8 @@ fn enter<R: Word>(
             word(ray.v),
             word(ray.du),
             word(ray.dv),
+            word(ray.exact_below_u),
+            word(ray.exact_below_v),
             ray.mirror_u.into(),
             ray.mirror_v.into(),
             walk.level as u64,
@@ -246,7 +288,11 @@ fn enter<R: Word>(
                 v: result.position_v,
                 steps: walk.steps as u32,
                 crossings: walk.crossings as u32,
-                status: if walk.guard { Status::Guard } else { Status::Hit },
+                status: if walk.guard {
+                    Status::Guard
+                } else {
+                    Status::Hit
+                },
             },
         },
     }

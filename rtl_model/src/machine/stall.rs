@@ -12,12 +12,18 @@ impl StallPattern {
     /// Not ready in about one cycle of eight. The seed may be anything; zero, which the register
     /// would never leave, is replaced by one.
     pub fn one_in_eight(seed: u16) -> StallPattern {
-        StallPattern { state: seed.max(1), stalls: true }
+        StallPattern {
+            state: seed.max(1),
+            stalls: true,
+        }
     }
 
     /// Always ready.
     pub fn never() -> StallPattern {
-        StallPattern { state: 1, stalls: false }
+        StallPattern {
+            state: 1,
+            stalls: false,
+        }
     }
 
     /// Is the receiver ready in this cycle? Steps the register.

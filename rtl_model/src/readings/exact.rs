@@ -82,6 +82,9 @@ impl Arith for ExactReading {
     fn ulps_up(&mut self, a: ExactNum, _: u32) -> ExactNum {
         a
     }
+    fn exact_below(&mut self, _: ExactNum) -> ExactNum {
+        self.keep(None)
+    }
     fn negate_if(&mut self, condition: bool, a: ExactNum) -> ExactNum {
         if !condition {
             return a;

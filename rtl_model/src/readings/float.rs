@@ -71,8 +71,16 @@ impl<H: HasFormat> Arith for FloatReading<H> {
         self.format().ulps_up(a, ulps)
     }
     #[inline(always)]
+    fn exact_below(&mut self, a: u64) -> u64 {
+        self.format().exact_below(a)
+    }
+    #[inline(always)]
     fn negate_if(&mut self, condition: bool, a: u64) -> u64 {
-        if condition { a ^ self.format().sign_bit() } else { a }
+        if condition {
+            a ^ self.format().sign_bit()
+        } else {
+            a
+        }
     }
     #[inline(always)]
     fn magnitude(&mut self, a: u64) -> u64 {

@@ -38,6 +38,10 @@ impl Arith for F64Reading {
         a
     }
     #[inline(always)]
+    fn exact_below(&mut self, _: f64) -> f64 {
+        f64::INFINITY
+    }
+    #[inline(always)]
     fn negate_if(&mut self, condition: bool, a: f64) -> f64 {
         if condition { -a } else { a }
     }

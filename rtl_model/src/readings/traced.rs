@@ -70,6 +70,7 @@ impl<R: Word> Arith for Traced<R> {
         mul(rounding: Rounding, a: R::Num, b: R::Num) -> R::Num;
         div(rounding: Rounding, a: R::Num, b: R::Num) -> R::Num;
         ulps_up(a: R::Num, ulps: u32) -> R::Num;
+        exact_below(a: R::Num) -> R::Num;
         negate_if(condition: bool, a: R::Num) -> R::Num;
         magnitude(a: R::Num) -> R::Num;
         select(condition: bool, when_one: R::Num, when_zero: R::Num) -> R::Num;

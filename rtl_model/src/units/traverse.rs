@@ -48,7 +48,10 @@ pub struct Hit<N> {
 
 /// The traverse unit's shape for a map.
 pub fn shape_for(pyramid: &Pyramid) -> TraverseShape {
-    TraverseShape { root_level: pyramid.levels(), height_bits: pyramid.bits() }
+    TraverseShape {
+        root_level: pyramid.levels(),
+        height_bits: pyramid.bits(),
+    }
 }
 
 /// Walks a ray to its hit. The ray's numbers are the reading's, u and v in [0, 1), its reach at

@@ -19,6 +19,10 @@ pub struct RayRegisters<A: Arith> {
     pub du: A::Num,
     /// Offset on the other axis, zero or above.
     pub dv: A::Num,
+    /// Differences of a node border and u are exact below this power of two.
+    pub exact_below_u: A::Num,
+    /// Differences of a node border and v are exact below this power of two.
+    pub exact_below_v: A::Num,
     /// Was u mirrored?
     pub mirror_u: A::Bit,
     /// Was v mirrored?
@@ -55,7 +59,21 @@ pub fn traverse_setup<A: Arith>(
 ) -> SetUpRay<A> {
     let (mirror_u, u, du, i) = mirror_axis(a, &AXIS_U, u, du);
     let (mirror_v, v, dv, j) = mirror_axis(a, &AXIS_V, v, dv);
-    SetUpRay { ray: RayRegisters { u, v, du, dv, mirror_u, mirror_v }, i, j }
+    let exact_below_u = a.exact_below(u);
+    a.name_num("exact_below_u", exact_below_u);
+    let exact_below_v = a.exact_below(v);
+    a.name_num("exact_below_v", exact_below_v);
+    let ray = RayRegisters {
+        u,
+        v,
+        du,
+        dv,
+        exact_below_u,
+        exact_below_v,
+        mirror_u,
+        mirror_v,
+    };
+    SetUpRay { ray, i, j }
 }
 
 struct AxisNames {

@@ -13,8 +13,9 @@
 //! - t is never later than the ray's true depth at this point of its walk, and a node's depth d is
 //!   rounded toward the ray;
 //! - the depth at which a node is left is known from below (`exit_depth`: a difference and a
-//!   quotient, both truncated) and from above (`exit_bound`: [`EXIT_BOUND_ULPS`] further). "Still
-//!   inside at d" is asked of the upper bound, and t advances to the lower one;
+//!   quotient, both truncated) and from above (`exit_bound`: [`EXACT_EXIT_ULPS`] further, or
+//!   [`ROUNDED_EXIT_ULPS`] where the difference may have been rounded). "Still inside at d" is
+//!   asked of the upper bound, and t advances to the lower one;
 //! - a child is the far one of its axis only if the truncated distance travelled has reached an
 //!   upward-rounded midline: else the near child is visited first and left again;
 //! - which border comes first is not always certain. Where the two exits lie within each other's
@@ -29,12 +30,13 @@ use crate::arith::Arith;
 use crate::float::Rounding::{NearestEven, TowardZero, Up};
 use crate::ray::REACH_TEXELS;
 
-/// How far the true exit depth can lie above the computed one, in units in the last place.
-///
-/// The difference of border and coordinate loses less than one unit, which the quotient sees as
-/// less than two of its own (its significand may be the smaller one); truncating the quotient
-/// loses less than one more.
-pub const EXIT_BOUND_ULPS: u32 = 3;
+/// How far the true exit depth can lie above the computed one, in units in the last place, where
+/// the distance to the border is exact: truncating the quotient loses less than one.
+pub const EXACT_EXIT_ULPS: u32 = 1;
+
+/// The same where the distance was truncated too: it loses less than one unit of its own, which
+/// the quotient sees as less than two (its significand may be the smaller one).
+pub const ROUNDED_EXIT_ULPS: u32 = 3;
 
 /// Bits of a node index, signed: a walk starts in texels -4096 to 4095 and reaches 2^15 texels.
 pub const INDEX_BITS: u32 = 17;
@@ -196,8 +198,20 @@ pub fn traverse_step<A: Arith>(
     let root_level = a.int_constant(i64::from(shape.root_level));
     let size_exponent = a.int_sub(walk.level, root_level);
     a.name_int("size_exponent", size_exponent);
-    let exit_u = exit(a, &AXIS_U, size_exponent, walk.i, ray.u, ray.du);
-    let exit_v = exit(a, &AXIS_V, size_exponent, walk.j, ray.v, ray.dv);
+    let axis_u = Axis::<A> {
+        names: &AXIS_U,
+        coordinate: ray.u,
+        direction: ray.du,
+        exact_below: ray.exact_below_u,
+    };
+    let axis_v = Axis::<A> {
+        names: &AXIS_V,
+        coordinate: ray.v,
+        direction: ray.dv,
+        exact_below: ray.exact_below_v,
+    };
+    let exit_u = exit(a, &axis_u, size_exponent, walk.i);
+    let exit_v = exit(a, &axis_v, size_exponent, walk.j);
     let u_first = a.less_equal(exit_u.depth, exit_v.depth);
     a.name_bit("u_first", u_first);
     let u_may_be_first = a.less_than(exit_u.depth, exit_v.bound);
@@ -233,8 +247,8 @@ pub fn traverse_step<A: Arith>(
     a.name_num("travelled_u", travelled_u);
     let travelled_v = a.mul(TowardZero, t, ray.dv);
     a.name_num("travelled_v", travelled_v);
-    let far_u = far_child(a, &AXIS_U, size_exponent, walk.i, ray.u, travelled_u);
-    let far_v = far_child(a, &AXIS_V, size_exponent, walk.j, ray.v, travelled_v);
+    let far_u = far_child(a, &axis_u, size_exponent, walk.i, travelled_u);
+    let far_v = far_child(a, &axis_v, size_exponent, walk.j, travelled_v);
     let owed = walk.corner_owed;
     let paid = walk.corner_paid;
     let not_owed = a.not(owed);
@@ -361,6 +375,7 @@ pub fn traverse_step<A: Arith>(
 struct AxisNames {
     border: &'static str,
     border_distance: &'static str,
+    distance_is_exact: &'static str,
     exit_depth: &'static str,
     exit_bound: &'static str,
     midline: &'static str,
@@ -368,24 +383,34 @@ struct AxisNames {
     past_midline: &'static str,
 }
 
-const AXIS_U: AxisNames = AxisNames {
+static AXIS_U: AxisNames = AxisNames {
     border: "border_u",
     border_distance: "border_distance_u",
+    distance_is_exact: "distance_is_exact_u",
     exit_depth: "exit_depth_u",
     exit_bound: "exit_bound_u",
     midline: "midline_u",
     midline_distance: "midline_distance_u",
     past_midline: "past_midline_u",
 };
-const AXIS_V: AxisNames = AxisNames {
+static AXIS_V: AxisNames = AxisNames {
     border: "border_v",
     border_distance: "border_distance_v",
+    distance_is_exact: "distance_is_exact_v",
     exit_depth: "exit_depth_v",
     exit_bound: "exit_bound_v",
     midline: "midline_v",
     midline_distance: "midline_distance_v",
     past_midline: "past_midline_v",
 };
+
+/// What the step needs of a ray on one axis.
+struct Axis<A: Arith> {
+    names: &'static AxisNames,
+    coordinate: A::Num,
+    direction: A::Num,
+    exact_below: A::Num,
+}
 
 /// The depth at which a ray leaves a node on one axis: never later than in truth, and never
 /// earlier.
@@ -394,43 +419,43 @@ struct Exit<A: Arith> {
     bound: A::Num,
 }
 
-fn exit<A: Arith>(
-    a: &mut A,
-    names: &AxisNames,
-    size_exponent: A::Int,
-    index: A::Int,
-    coordinate: A::Num,
-    direction: A::Num,
-) -> Exit<A> {
+fn exit<A: Arith>(a: &mut A, axis: &Axis<A>, size_exponent: A::Int, index: A::Int) -> Exit<A> {
+    let names = axis.names;
     let one = a.int_constant(1);
     let next = a.int_add(index, one);
     // Exact: an index has no more bits than a significand.
     let border = a.from_integer(TowardZero, next, size_exponent);
     a.name_num(names.border, border);
-    let distance = a.sub(TowardZero, border, coordinate);
+    let distance = a.sub(TowardZero, border, axis.coordinate);
     a.name_num(names.border_distance, distance);
-    let depth = a.div(TowardZero, distance, direction);
+    let depth = a.div(TowardZero, distance, axis.direction);
     a.name_num(names.exit_depth, depth);
-    let bound = a.ulps_up(depth, EXIT_BOUND_ULPS);
+    // A border is a multiple of a texel, and within reach multiples of a texel are representable:
+    // only the coordinate's grain can have been lost.
+    let is_exact = a.less_than(distance, axis.exact_below);
+    a.name_bit(names.distance_is_exact, is_exact);
+    let near_bound = a.ulps_up(depth, EXACT_EXIT_ULPS);
+    let far_bound = a.ulps_up(depth, ROUNDED_EXIT_ULPS);
+    let bound = a.select(is_exact, near_bound, far_bound);
     a.name_num(names.exit_bound, bound);
     Exit { depth, bound }
 }
 
 fn far_child<A: Arith>(
     a: &mut A,
-    names: &AxisNames,
+    axis: &Axis<A>,
     size_exponent: A::Int,
     index: A::Int,
-    coordinate: A::Num,
     travelled: A::Num,
 ) -> A::Bit {
+    let names = axis.names;
     let one = a.int_constant(1);
     let half_exponent = a.int_sub(size_exponent, one);
     let twice = a.int_add(index, index);
     let odd = a.int_or(twice, one);
     let midline = a.from_integer(TowardZero, odd, half_exponent);
     a.name_num(names.midline, midline);
-    let distance = a.sub(Up, midline, coordinate);
+    let distance = a.sub(Up, midline, axis.coordinate);
     a.name_num(names.midline_distance, distance);
     let past = a.less_equal(distance, travelled);
     a.name_bit(names.past_midline, past);
