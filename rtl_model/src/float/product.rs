@@ -6,7 +6,7 @@ use super::{FloatFormat, Rounding};
 impl FloatFormat {
     /// `a * b`, rounded once. The sign is that of the operands, xored, of zeros and infinities too;
     /// zero times infinity is the canonical NaN.
-    #[inline]
+    #[inline(always)]
     pub const fn mul(self, rounding: Rounding, a: u64, b: u64) -> u64 {
         let negative = self.has_sign(a ^ b);
         let a = self.flushed_magnitude(a);
@@ -38,7 +38,7 @@ impl FloatFormat {
     /// `a / b`, rounded once. The sign is that of the operands, xored, of zeros and infinities too;
     /// a nonzero number divided by zero is infinite; `0 / 0` and infinity over infinity are the
     /// canonical NaN.
-    #[inline]
+    #[inline(always)]
     pub const fn div(self, rounding: Rounding, a: u64, b: u64) -> u64 {
         let negative = self.has_sign(a ^ b);
         let a = self.flushed_magnitude(a);
@@ -75,6 +75,7 @@ impl FloatFormat {
     }
 
     /// A product of magnitudes of which at least one is zero, infinite or NaN.
+    #[cold]
     const fn mul_special(self, negative: bool, a: u64, b: u64) -> u64 {
         let invalid = (a == 0 && b == self.infinity()) || (a == self.infinity() && b == 0);
         if a > self.infinity() || b > self.infinity() || invalid {
@@ -87,6 +88,7 @@ impl FloatFormat {
     }
 
     /// A quotient of magnitudes of which at least one is zero, infinite or NaN.
+    #[cold]
     const fn div_special(self, negative: bool, a: u64, b: u64) -> u64 {
         // 0 / 0 and infinity / infinity: the one case of equal operands that gets here.
         if a > self.infinity() || b > self.infinity() || a == b {

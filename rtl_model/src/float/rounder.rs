@@ -55,9 +55,9 @@ impl FloatFormat {
         let dropped = exact.significand << (self.fraction_bits + 1);
         let increments = rounding.increments(exact.negative, kept & 1 == 1, dropped);
 
-        // The kept leading one and a carry out of the rounding both add to the exponent field, so
-        // the field starts one low. Fields this far outside decide the result alone, and bounding
-        // them keeps the shift within 64 bits.
+        // Fields this far outside decide the result alone; bounding them keeps the shift within
+        // 64 bits. The kept leading one and a carry out of the rounding both add to the field, so
+        // with one more for its lower bound the sum stands two too high.
         let field = exact.exponent + self.exponent_bias();
         let all_ones = self.exponent_all_ones() as i32;
         let bounded = if field < 0 {
@@ -67,13 +67,11 @@ impl FloatFormat {
         } else {
             field
         };
-        let magnitude =
-            ((bounded as i64 - 1) << self.fraction_bits) + kept as i64 + increments as i64;
+        let sum = (((bounded + 1) as u64) << self.fraction_bits) + kept + increments as u64;
+        let magnitude = sum.saturating_sub(2 << self.fraction_bits);
 
-        let magnitude = if magnitude < self.min_normal() as i64 {
-            0
-        } else if magnitude < self.infinity() as i64 {
-            magnitude as u64
+        let magnitude = if magnitude < self.infinity() {
+            self.flushed_magnitude(magnitude)
         } else if rounding.overflows_to_infinity(exact.negative) {
             self.infinity()
         } else {
