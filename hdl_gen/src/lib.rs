@@ -1,6 +1,7 @@
 //! From the golden model's datapaths to Verilog, vectors, testbenches and simulators.
 
 pub mod emit;
+pub mod nearest;
 pub mod netlist;
 pub mod operators;
 pub mod pipeline;
