@@ -1,13 +1,11 @@
 //! Addition and subtraction.
 
-use std::sync::Arc;
-
 use rtl_model::float::{FloatFormat, Rounding};
 
 use super::round::{Tail, Unrounded, exponent_constant, exponent_width, needs_tail, round};
 use super::shift::{leading_zeros, shift_right};
 use super::unpack::{fields, is_special, is_zero, magnitude};
-use crate::netlist::{Builder, Module};
+use crate::netlist::{Builder, Wire};
 
 /// Bits below the smaller significand that are kept exactly when it is aligned: guard and round.
 /// One bit of cancellation moves the round bit into the guard's place; after more than one the
@@ -16,24 +14,12 @@ const ALIGNED_BITS_BELOW: u32 = 2;
 
 /// `a + b`, or `a - b` where `subtract`: one path, the smaller magnitude aligned to the larger.
 pub(super) fn add(
-    mut builder: Builder,
-    format: FloatFormat,
-    rounding: Rounding,
-    subtract: bool,
-) -> Arc<Module> {
-    let builder_ref = &mut builder;
-    let result = build(builder_ref, format, rounding, subtract);
-    builder.output("result_o", result);
-    builder.finish()
-}
-
-fn build(
     builder: &mut Builder,
     format: FloatFormat,
     rounding: Rounding,
     subtract: bool,
-) -> crate::netlist::Wire {
-    let (exponent_bits, fraction_bits) = (format.exponent_bits, format.fraction_bits);
+) -> Wire {
+    let fraction_bits = format.fraction_bits;
     let aligned_bits = 1 + fraction_bits + ALIGNED_BITS_BELOW;
     builder.localparam(
         "ALIGNED_BITS",
@@ -131,13 +117,8 @@ fn build(
     let zero = builder.constant(0, 1);
     let hidden = builder.constant(1, 1);
     let below = builder.constant(0, ALIGNED_BITS_BELOW);
-    let larger_significand = builder.concat(&[
-        zero,
-        hidden,
-        larger_fraction,
-        below,
-        effective_subtraction,
-    ]);
+    let larger_significand =
+        builder.concat(&[zero, hidden, larger_fraction, below, effective_subtraction]);
     let sticky_place = builder.xor(sticky_bit, effective_subtraction);
     let addend_significand = builder.concat(&[effective_subtraction, aligned, sticky_place]);
     let significand_sum = builder.add(larger_significand, addend_significand);
@@ -193,7 +174,6 @@ fn build(
     let is_nan = builder.and(is_special, invalid);
     builder.name(is_nan, "is_nan");
 
-    debug_assert!(exponent_word_bits > exponent_bits);
     round(
         builder,
         format,

@@ -117,8 +117,9 @@ pub(super) fn to_integer(
     );
     // The exponent field of a significand that stands at the top of the word.
     let top_field = i64::from(format.exponent_bias()) + i64::from(magnitude_bits) - 1;
-    let difference_bits =
-        1 + format.exponent_bits.max(u64::BITS - top_field.unsigned_abs().leading_zeros());
+    let difference_bits = 1 + format
+        .exponent_bits
+        .max(u64::BITS - top_field.unsigned_abs().leading_zeros());
     builder.localparam(
         "DIFFERENCE_BITS",
         difference_bits.into(),
