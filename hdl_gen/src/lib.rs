@@ -1,5 +1,6 @@
 //! From the golden model's datapaths to Verilog, vectors, testbenches and simulators.
 
+pub mod datapath;
 pub mod emit;
 pub mod nearest;
 pub mod netlist;

@@ -8,6 +8,7 @@
 //! golden model say what each pipeline register must hold.
 
 use crate::float::Rounding;
+use std::fmt::Debug;
 
 /// The operators of a datapath. The three associated types are the three kinds of signal.
 ///
@@ -16,11 +17,11 @@ use crate::float::Rounding;
 /// operation is. Readings without rounding (exact) or with one only (`f64`) ignore it.
 pub trait Arith {
     /// A number in the reading's format.
-    type Num: Copy;
+    type Num: Copy + Debug;
     /// A signed integer: a node index, a level, a count.
-    type Int: Copy;
+    type Int: Copy + Debug;
     /// One bit: the result of a comparison.
-    type Bit: Copy;
+    type Bit: Copy + Debug;
 
     /// The number zero.
     fn zero(&mut self) -> Self::Num;
