@@ -2,6 +2,7 @@
 
 pub mod datapath;
 pub mod emit;
+pub mod nearest;
 pub mod netlist;
 pub mod operators;
 pub mod pipeline;

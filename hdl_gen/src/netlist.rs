@@ -90,6 +90,82 @@ pub enum Operation {
     },
 }
 
+impl Operation {
+    /// The wires it reads, in the order it is written in; for a register what it takes, then its
+    /// enable. An instance's output reads none by itself.
+    pub fn operands(&self) -> Vec<Wire> {
+        match self {
+            Operation::Input | Operation::Constant(_) | Operation::InstanceOutput { .. } => vec![],
+            Operation::Not(a)
+            | Operation::SignExtend(a)
+            | Operation::AnyBit(a)
+            | Operation::AllBits(a)
+            | Operation::Slice { from: a, .. } => vec![*a],
+            Operation::And(a, b)
+            | Operation::Or(a, b)
+            | Operation::Xor(a, b)
+            | Operation::Add(a, b)
+            | Operation::Subtract(a, b)
+            | Operation::Multiply(a, b)
+            | Operation::ShiftLeft(a, b)
+            | Operation::ShiftRight(a, b)
+            | Operation::Equal(a, b)
+            | Operation::LessThan(a, b) => vec![*a, *b],
+            Operation::Mux {
+                select,
+                when_one,
+                when_zero,
+            } => vec![*select, *when_one, *when_zero],
+            Operation::Concat(parts) => parts.clone(),
+            Operation::Register { next, enable, .. } => {
+                next.iter().chain(enable).copied().collect()
+            }
+        }
+    }
+
+    /// The same operation on other wires: each wire it reads replaced by what `f` makes of it.
+    pub fn map_operands(&self, mut f: impl FnMut(Wire) -> Wire) -> Operation {
+        let mut mapped = self.clone();
+        match &mut mapped {
+            Operation::Input | Operation::Constant(_) | Operation::InstanceOutput { .. } => {}
+            Operation::Not(a)
+            | Operation::SignExtend(a)
+            | Operation::AnyBit(a)
+            | Operation::AllBits(a)
+            | Operation::Slice { from: a, .. } => *a = f(*a),
+            Operation::And(a, b)
+            | Operation::Or(a, b)
+            | Operation::Xor(a, b)
+            | Operation::Add(a, b)
+            | Operation::Subtract(a, b)
+            | Operation::Multiply(a, b)
+            | Operation::ShiftLeft(a, b)
+            | Operation::ShiftRight(a, b)
+            | Operation::Equal(a, b)
+            | Operation::LessThan(a, b) => {
+                *a = f(*a);
+                *b = f(*b);
+            }
+            Operation::Mux {
+                select,
+                when_one,
+                when_zero,
+            } => {
+                *select = f(*select);
+                *when_one = f(*when_one);
+                *when_zero = f(*when_zero);
+            }
+            Operation::Concat(parts) => parts.iter_mut().for_each(|part| *part = f(*part)),
+            Operation::Register { next, enable, .. } => {
+                next.iter_mut()
+                    .chain(enable)
+                    .for_each(|wire| *wire = f(*wire));
+            }
+        }
+        mapped
+    }
+}
+
 /// One node: an operation, the width of its result, and how people should see it.
 #[derive(Clone, Debug)]
 pub struct Node {
@@ -269,7 +345,8 @@ impl Builder {
         self.module.sections.push(title.into());
     }
 
-    fn push(&mut self, operation: Operation, width: u32) -> Wire {
+    /// A node of any operation, for passes that rebuild a module: the widths are the caller's care.
+    pub(crate) fn push(&mut self, operation: Operation, width: u32) -> Wire {
         assert!(
             (1..=64).contains(&width),
             "{}: a width of {width} bits",
