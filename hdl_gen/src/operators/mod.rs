@@ -14,6 +14,7 @@
 mod add;
 mod compare;
 mod divide;
+mod grain;
 mod height;
 mod integer;
 mod multiply;
@@ -72,6 +73,9 @@ pub enum FloatOperator {
         /// The distance in units in the last place.
         ulps: u32,
     },
+    /// `result_o` = the power of two below which every multiple of the last nonzero bit of `a_i`
+    /// is representable.
+    ExactBelow,
     /// `result_o` = `1 - height_i / (2^bits - 1)` rounded toward zero.
     DepthFromHeight {
         /// Bits of `height_i`: 8 or 16 (any from 2 to 32 works).
@@ -124,6 +128,7 @@ impl FloatOperator {
             FloatOperator::ToInteger { .. } => "float_to_integer",
             FloatOperator::Floor => "float_floor",
             FloatOperator::UlpsUp { .. } => "float_ulps_up",
+            FloatOperator::ExactBelow => "float_exact_below",
             FloatOperator::DepthFromHeight { .. } => "depth_from_height",
         }
     }
@@ -213,6 +218,7 @@ impl FloatOperator {
             FloatOperator::ToInteger { .. } => "to_integer",
             FloatOperator::Floor => "floor",
             FloatOperator::UlpsUp { .. } => "ulps_up",
+            FloatOperator::ExactBelow => "exact_below",
             FloatOperator::DepthFromHeight { .. } => "depth_from_height",
         }
     }
@@ -239,6 +245,10 @@ impl FloatOperator {
             FloatOperator::Floor => "result_o = the largest integer not above a_i".to_owned(),
             FloatOperator::UlpsUp { ulps } => {
                 format!("result_o = a_i moved up by {ulps} units in the last place; a_i >= 0")
+            }
+            FloatOperator::ExactBelow => {
+                "result_o = the power of two below which multiples of a_i's last bit are exact"
+                    .to_owned()
             }
             FloatOperator::DepthFromHeight { bits } => {
                 format!("result_o = 1 - height_i / (2^{bits} - 1), rounded toward zero")
@@ -343,6 +353,7 @@ fn build(builder: &mut Builder, kind: FloatOperator, format: FloatFormat, roundi
             height::ulps_up(builder, format, ulps),
             Meaning::Float(format),
         ),
+        FloatOperator::ExactBelow => (grain::exact_below(builder, format), Meaning::Float(format)),
         FloatOperator::DepthFromHeight { bits } => {
             (height::depth(builder, format, bits), Meaning::Float(format))
         }
