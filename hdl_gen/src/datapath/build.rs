@@ -4,6 +4,7 @@ use super::record::Recording;
 use super::schedule::{OperatorLatencies, Schedule};
 use super::signal::{Kind, RecordedOperation, SignalId};
 use crate::netlist::{Builder, Meaning, Module, Wire};
+use crate::pipeline::ENABLE;
 use crate::operators::{FloatOperator, float_operator};
 use rtl_model::float::Rounding;
 use std::collections::{BTreeMap, HashMap};
@@ -96,7 +97,7 @@ struct Build<'a> {
 impl Build<'_> {
     fn run(&mut self) {
         if self.schedule.last_stage > 0 {
-            self.enable = Some(self.builder.input("enable_i", 1));
+            self.enable = Some(self.builder.input(ENABLE, 1));
         }
         self.builder.set_latency(self.schedule.last_stage);
         for id in self.recording.inputs().collect::<Vec<_>>() {
@@ -246,14 +247,15 @@ impl Build<'_> {
             .entry(made.name.clone())
             .or_insert(made)
             .clone();
-        let mut ports = Vec::new();
-        if latency > 0 {
-            ports.push(
-                self.enable
-                    .expect("a datapath with an operator has an enable"),
-            );
-        }
-        ports.extend_from_slice(inputs);
+        let mut operands = inputs.iter();
+        let ports: Vec<Wire> = module
+            .inputs
+            .iter()
+            .map(|&port| match module.node(port).name.as_deref() {
+                Some(ENABLE) => self.enable.expect("a datapath with an operator has an enable"),
+                _ => *operands.next().expect("one operand for each port"),
+            })
+            .collect();
         let name = self.name(id);
         self.builder
             .instance(&format!("{name}_operator"), &module, &ports)[0]
