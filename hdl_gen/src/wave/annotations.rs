@@ -162,10 +162,7 @@ mod tests {
             "somebody else's remark".to_owned(),
             "stepwell-of-tomorrow top.t 3".to_owned(),
         ];
-        assert_eq!(
-            lines[0],
-            "stepwell-depends top.sum = top.a@-2 top.b@1@0"
-        );
+        assert_eq!(lines[0], "stepwell-depends top.sum = top.a@-2 top.b@1@0");
         assert_eq!(lines[2], "stepwell-float top.t e7f16");
         let read = Annotations::read("file", &lines).unwrap();
         assert_eq!(read.dependencies, [dependency]);

@@ -184,6 +184,10 @@ fn find_bit<R: BufRead>(reader: &Reader<R>, full_name: &str) -> Result<usize, Wa
         .ok_or_else(|| WaveError::NoClock {
             name: reader.name.clone(),
             signal: full_name.to_owned(),
-            has: Names(bits().map(|(_, variable)| header.full_name(variable)).collect()),
+            has: Names(
+                bits()
+                    .map(|(_, variable)| header.full_name(variable))
+                    .collect(),
+            ),
         })
 }

@@ -1,7 +1,7 @@
 //! A VCD's value changes as cycles: for each, the values its signals have settled to.
 
-use super::reader::Reader;
 use super::logic::words_for;
+use super::reader::Reader;
 use super::{LogicWord, WaveError};
 use std::collections::HashMap;
 use std::io::BufRead;
@@ -45,7 +45,6 @@ struct Slots {
 ///
 /// All changes of one time are taken together: a clock that falls and rises in no time is no edge.
 /// The value 1 that a clock begins with is a rising edge.
-#[derive(Debug)]
 pub(crate) struct CycleSampler<R> {
     reader: Reader<R>,
     slots: Slots,
@@ -89,12 +88,16 @@ impl<R: BufRead> CycleSampler<R> {
         let mut slot_of = |variable: usize| {
             let variable = &header.variables[variable];
             // Every code of the header is in the map.
-            *slots.by_code.entry(variable.code).or_default().get_or_insert_with(|| {
-                let place = words..words + words_for(variable.width);
-                words = place.end;
-                slots.places.push((place, variable.width));
-                slots.places.len() - 1
-            })
+            *slots
+                .by_code
+                .entry(variable.code)
+                .or_default()
+                .get_or_insert_with(|| {
+                    let place = words..words + words_for(variable.width);
+                    words = place.end;
+                    slots.places.push((place, variable.width));
+                    slots.places.len() - 1
+                })
         };
         let clock_slot = slot_of(clock);
         let watched = watched.iter().map(|&variable| slot_of(variable)).collect();
@@ -125,11 +128,6 @@ impl<R: BufRead> CycleSampler<R> {
             ended: false,
         };
         (sampler, watched)
-    }
-
-    /// The file, for messages.
-    pub(crate) fn name(&self) -> &str {
-        &self.reader.name
     }
 
     /// The clock's period, once two edges have been seen.

@@ -3,7 +3,7 @@
 use super::annotations::Annotations;
 use super::cause::{Agreement, Causes};
 use super::cycles::{Cycle, CycleNumbers, CycleSampler, nanoseconds};
-use super::error::Names;
+use super::error::{Names, SideNames};
 use super::logic::hexadecimal;
 use super::pairing::{Side, by_name, only_in, outermost, pair_sides, scope_named};
 use super::reader::{Header, Reader};
@@ -112,7 +112,9 @@ pub fn diff(
     let other = Reader::open(&other.name, other.input)?;
     let scope_of = |reader_name: &str, header: &Header, side: &SideOptions| {
         let scope = side.scope.as_deref();
-        scope.map(|scope| scope_named(reader_name, header, scope)).transpose()
+        scope
+            .map(|scope| scope_named(reader_name, header, scope))
+            .transpose()
     };
     let (golden_side, other_side) = pair_sides(
         &golden.header,
@@ -130,8 +132,20 @@ pub fn diff(
     let golden_report = side_report(&golden, &golden_side, &other_side, &options.golden);
     let other_report = side_report(&other, &other_side, &golden_side, &options.other);
 
-    let golden = Track::new(golden, &golden_side, &pairs, |pair| pair.golden, &options.golden)?;
-    let other = Track::new(other, &other_side, &pairs, |pair| pair.other, &options.other)?;
+    let golden = Track::new(
+        golden,
+        &golden_side,
+        &pairs,
+        |pair| pair.golden,
+        &options.golden,
+    )?;
+    let other = Track::new(
+        other,
+        &other_side,
+        &pairs,
+        |pair| pair.other,
+        &options.other,
+    )?;
     Comparison {
         agreements: vec![Agreement::Equal; pairs.len()],
         ever_differed: vec![false; pairs.len()],
@@ -173,7 +187,7 @@ struct Pair {
     other: usize,
 }
 
-/// Pairs the signals of both sides by name, resets aside.
+/// Pairs the signals of both sides by name.
 fn paired<G: BufRead, O: BufRead>(
     golden: &Reader<G>,
     golden_side: &Side,
@@ -186,9 +200,6 @@ fn paired<G: BufRead, O: BufRead>(
         let Some(&other_index) = there.get(name.as_str()) else {
             continue;
         };
-        if name.rsplit('.').next() == Some(RESET_NAME) {
-            continue;
-        }
         let width = golden.header.variables[*index].width;
         let other_width = other.header.variables[other_index].width;
         if width == other_width {
@@ -208,15 +219,19 @@ fn paired<G: BufRead, O: BufRead>(
     }
     if pairs.is_empty() && mismatches.is_empty() {
         return Err(WaveError::NoCommonSignals {
-            golden_name: golden.name.clone(),
-            golden_scopes: Names(golden.header.top_scopes()),
-            golden_signals: golden_side.names(),
-            other_name: other.name.clone(),
-            other_scopes: Names(other.header.top_scopes()),
-            other_signals: other_side.names(),
+            golden: Box::new(side_names(golden, golden_side)),
+            other: Box::new(side_names(other, other_side)),
         });
     }
     Ok((pairs, mismatches))
+}
+
+fn side_names<R>(reader: &Reader<R>, side: &Side) -> SideNames {
+    SideNames {
+        name: reader.name.clone(),
+        top_scopes: Names(reader.header.top_scopes()),
+        signals: side.names(),
+    }
 }
 
 /// What the options and both headers say of the pairs; the golden header goes before the other.
@@ -238,7 +253,9 @@ fn annotated<G: BufRead, O: BufRead>(
             None => name,
         };
         let meanings = says.meanings.into_iter();
-        merged.meanings.extend(meanings.map(|(name, m)| (short(name), m)));
+        merged
+            .meanings
+            .extend(meanings.map(|(name, m)| (short(name), m)));
         for dependency in says.dependencies {
             let mut inputs = dependency.inputs;
             for input in &mut inputs {
@@ -249,10 +266,12 @@ fn annotated<G: BufRead, O: BufRead>(
                 inputs,
             });
         }
-        merged.unit_inputs.extend(says.unit_inputs.into_iter().map(|unit| UnitInputs {
-            unit: short(unit.unit),
-            inputs: unit.inputs.into_iter().map(short).collect(),
-        }));
+        merged
+            .unit_inputs
+            .extend(says.unit_inputs.into_iter().map(|unit| UnitInputs {
+                unit: short(unit.unit),
+                inputs: unit.inputs.into_iter().map(short).collect(),
+            }));
     }
     let mut meanings: HashMap<&str, Meaning> = HashMap::new();
     for (name, meaning) in merged.meanings.iter().chain(&options.meanings) {
@@ -266,7 +285,9 @@ fn annotated<G: BufRead, O: BufRead>(
     };
     let of_pairs = pairs.iter().map(of_pair).collect();
     let names = pairs.iter().enumerate();
-    let pair_by_name = names.map(|(index, pair)| (pair.name.clone(), index)).collect();
+    let pair_by_name = names
+        .map(|(index, pair)| (pair.name.clone(), index))
+        .collect();
     Ok((Causes::new(merged, pair_by_name), of_pairs))
 }
 
@@ -288,7 +309,6 @@ fn side_report<R>(
 }
 
 /// One waveform on its way through the comparison.
-#[derive(Debug)]
 struct Track<R> {
     sampler: CycleSampler<R>,
     /// For every pair, its slot.
@@ -550,9 +570,14 @@ impl<G: BufRead, O: BufRead> Comparison<'_, G, O> {
         if (report.golden.first_cycle, report.golden.last_cycle)
             != (report.other.first_cycle, report.other.last_cycle)
         {
-            report.notes.push(format!("{spans}: only what both have was compared"));
+            report
+                .notes
+                .push(format!("{spans}: only what both have was compared"));
         }
-        let periods = (self.golden.sampler.period_fs(), self.other.sampler.period_fs());
+        let periods = (
+            self.golden.sampler.period_fs(),
+            self.other.sampler.period_fs(),
+        );
         if let (Some(golden), Some(other)) = periods
             && golden != other
         {

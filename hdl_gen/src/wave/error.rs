@@ -143,25 +143,15 @@ pub enum WaveError {
     },
     /// The two waveforms share no signal.
     #[error(
-        "no signal is in both waveforms, so nothing was compared.\n  \
-         {golden_name}: top scopes {golden_scopes:#}; signals {golden_signals:#}\n  \
-         {other_name}: top scopes {other_scopes:#}; signals {other_signals:#}\n\
+        "no signal is in both waveforms, so nothing was compared.\n  {golden}\n  {other}\n\
          Signals pair by hierarchical name. If one design stands in different scopes, name the \
          scope that stands for it on each side (--golden-scope, --other-scope)."
     )]
     NoCommonSignals {
-        /// The first file.
-        golden_name: String,
-        /// Its outermost scopes.
-        golden_scopes: Names,
-        /// Some of its signals.
-        golden_signals: Names,
-        /// The second file.
-        other_name: String,
-        /// Its outermost scopes.
-        other_scopes: Names,
-        /// Some of its signals.
-        other_signals: Names,
+        /// What the first has.
+        golden: Box<SideNames>,
+        /// What the second has.
+        other: Box<SideNames>,
     },
     /// A scope to strip that is not there.
     #[error("{name}: no scope `{scope}`; its scopes are {has:#}")]
@@ -176,6 +166,27 @@ pub enum WaveError {
     /// Signals in common, but no value of any of them could be compared.
     #[error("nothing was compared: {0}")]
     NothingCompared(String),
+}
+
+/// What one waveform has, for people to see why it does not pair with another.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SideNames {
+    /// The file.
+    pub name: String,
+    /// Its outermost scopes.
+    pub top_scopes: Names,
+    /// Its signals.
+    pub signals: Names,
+}
+
+impl fmt::Display for SideNames {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{}: top scopes {:#}; signals {:#}",
+            self.name, self.top_scopes, self.signals
+        )
+    }
 }
 
 /// A list of names, of which a message shows the first few. `{}` gives how many there are, `{:#}`

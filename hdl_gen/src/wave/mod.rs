@@ -26,9 +26,9 @@ mod writer;
 pub use cause::Cause;
 pub use conform::{ConformOptions, ConformReport, Rename, conform};
 pub use cycles::CycleNumbers;
-pub use decode::{decoded, float_to_f64, steps_between, two_s_complement};
+pub use decode::{decoded, steps_between, two_s_complement};
 pub use diff::{DiffOptions, SideOptions, Waveform, diff, diff_files};
-pub use error::{Names, WaveError};
+pub use error::{Names, SideNames, WaveError};
 pub use logic::LogicWord;
 pub use report::{
     DiffReport, DivergingSignal, FirstDivergence, SideReport, ValueReport, WidthMismatch,

@@ -3,7 +3,7 @@
 use super::error::Names;
 use super::reader::{Header, Variable};
 use super::signal::joined;
-use super::{CLOCK_NAME, INTEGER_SHADOW_SUFFIX, WaveError};
+use super::{CLOCK_NAME, INTEGER_SHADOW_SUFFIX, RESET_NAME, WaveError};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use vcd::VarType;
 
@@ -20,7 +20,7 @@ pub(crate) struct Side {
 }
 
 impl Side {
-    /// The comparable signals below a scope: bits, but no clock and no decoded shadow.
+    /// The comparable signals below a scope: bits, but no clock, reset or decoded shadow.
     pub(crate) fn below(header: &Header, stripped: &[String]) -> Side {
         let own_names: HashSet<(usize, &str)> = header
             .variables
@@ -38,7 +38,8 @@ impl Side {
         let mut seen = HashSet::new();
         let mut signals = Vec::new();
         for (index, variable) in header.variables.iter().enumerate() {
-            if !variable.is_bits() || variable.name == CLOCK_NAME || is_shadow(variable) {
+            let is_control = [CLOCK_NAME, RESET_NAME].contains(&variable.name.as_str());
+            if !variable.is_bits() || is_control || is_shadow(variable) {
                 continue;
             }
             if let Some(name) = name_below(header, variable, stripped)
@@ -96,7 +97,12 @@ pub(crate) fn scope_named(
     found.cloned().ok_or_else(|| WaveError::NoScope {
         name: file.to_owned(),
         scope: scope.to_owned(),
-        has: Names(header.scopes[1..].iter().map(|path| path.join(".")).collect()),
+        has: Names(
+            header.scopes[1..]
+                .iter()
+                .map(|path| path.join("."))
+                .collect(),
+        ),
     })
 }
 
@@ -164,7 +170,9 @@ fn candidates(bare: &Header, stripped: &[String], wrapped: &Header) -> Vec<Vec<S
 /// Signals of one side by name.
 pub(crate) fn by_name(side: &Side) -> HashMap<&str, usize> {
     let entries = side.signals.iter();
-    entries.map(|(name, index)| (name.as_str(), *index)).collect()
+    entries
+        .map(|(name, index)| (name.as_str(), *index))
+        .collect()
 }
 
 /// The names that only the first side has. Signals of a testbench, beside the design in a scope
@@ -173,8 +181,7 @@ pub(crate) fn only_in(side: &Side, other: &Side, scope_was_given: bool) -> Vec<S
     let there = other.name_set();
     let ignore_bare = !side.stripped.is_empty() && !scope_was_given;
     let own = side.signals.iter().map(|(name, _)| name);
-    own.filter(|name| !there.contains(name.as_str()) && !(ignore_bare && !name.contains('.')))
+    own.filter(|name| (!ignore_bare || name.contains('.')) && !there.contains(name.as_str()))
         .cloned()
         .collect()
 }
-

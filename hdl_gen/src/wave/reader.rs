@@ -59,7 +59,6 @@ impl Header {
 }
 
 /// A VCD being read; the header is behind it.
-#[derive(Debug)]
 pub(crate) struct Reader<R> {
     /// The file, for messages.
     pub name: String,

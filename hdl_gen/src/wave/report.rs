@@ -162,11 +162,7 @@ fn counted(count: u64, what: &str) -> String {
 impl fmt::Display for DiffReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let verdict = if self.agreed { "agree" } else { "disagree" };
-        writeln!(
-            f,
-            "{} and {} {verdict}",
-            self.golden.name, self.other.name
-        )?;
+        writeln!(f, "{} and {} {verdict}", self.golden.name, self.other.name)?;
         if let Some(divergence) = &self.first_divergence {
             self.write_divergence(f, divergence)?;
         }
@@ -258,6 +254,14 @@ impl SideReport {
             self.examples_only_here.join(", ")
         )?;
         let shown = self.examples_only_here.len();
-        writeln!(f, "{}", if shown < self.signals_only_here { ", ..." } else { "" })
+        writeln!(
+            f,
+            "{}",
+            if shown < self.signals_only_here {
+                ", ..."
+            } else {
+                ""
+            }
+        )
     }
 }

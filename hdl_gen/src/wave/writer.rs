@@ -1,7 +1,7 @@
 //! Writes a waveform from a stream of values, one a signal a cycle.
 
 use super::annotations::{dependency_line, is_full_name, meaning_line, unit_inputs_line};
-use super::decode::{float_to_f64, real_text};
+use super::decode::real_text;
 use super::logic::binary;
 use super::scopes::Scope;
 use super::signal::joined;
@@ -126,14 +126,12 @@ impl<W: Write> Writer<W> {
         let mut write_header = || -> std::io::Result<()> {
             header.version(concat!("stepwell ", env!("CARGO_PKG_VERSION")))?;
             header.timescale(1, TimescaleUnit::NS)?;
-            for line in declarations.iter().filter_map(meaning_line) {
-                header.comment(&line)?;
-            }
-            for unit in &options.unit_inputs {
-                header.comment(&unit_inputs_line(unit))?;
-            }
-            for dependency in &options.dependencies {
-                header.comment(&dependency_line(dependency))?;
+            let meanings = declarations.iter().filter_map(meaning_line);
+            let units = options.unit_inputs.iter().map(unit_inputs_line);
+            let dependencies = options.dependencies.iter().map(dependency_line);
+            for line in meanings.chain(units).chain(dependencies) {
+                // One line each, so that they can be searched for.
+                writeln!(header.writer(), "$comment {line} $end")?;
             }
             header.add_module(top)?;
             header.var_def(VarType::Wire, 1, clock, CLOCK_NAME, None)?;
@@ -297,7 +295,7 @@ impl Track {
             Some(Shadow::Real(format, id)) => {
                 let real = value
                     .as_known()
-                    .map_or(f64::NAN, |bits| float_to_f64(format, bits));
+                    .map_or(f64::NAN, |bits| format.to_f64(bits));
                 *text += &format!("r{} {id}\n", real_text(real));
             }
             Some(Shadow::Integer(width, id)) => {
@@ -323,7 +321,13 @@ fn write_scope_content(
     for &signal in &scope.signals {
         let (declaration, track) = (&declarations[signal], &tracks[signal]);
         let name = &declaration.name;
-        header.var_def(VarType::Wire, track.width, track.id, name, index_of(track.width))?;
+        header.var_def(
+            VarType::Wire,
+            track.width,
+            track.id,
+            name,
+            index_of(track.width),
+        )?;
         match track.shadow {
             None => {}
             Some(Shadow::Real(_, id)) => {
@@ -382,7 +386,11 @@ fn check_declarations(
             _ => None,
         };
         let full = declaration.full_name();
-        for name in suffix.map(|s| format!("{full}{s}")).into_iter().chain([full]) {
+        for name in suffix
+            .map(|s| format!("{full}{s}"))
+            .into_iter()
+            .chain([full])
+        {
             if let Some(name) = names.replace(name) {
                 return Err(wrong(format!("two variables would be named `{name}`")));
             }
