@@ -10,6 +10,7 @@
 
 mod annotations;
 mod cause;
+mod comparison;
 mod conform;
 mod cycles;
 mod decode;

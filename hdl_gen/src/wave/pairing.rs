@@ -10,6 +10,9 @@ use vcd::VarType;
 /// Scopes of the other side that are tried as the one to strip, at most.
 const MAX_CANDIDATES: usize = 64;
 
+/// Scopes that stand around a design: Verilator's, and that of this project's testbenches.
+const WRAPPERS: [&str; 2] = ["TOP", "testbench"];
+
 /// The signals of a waveform that take part in a comparison, under the names they pair by.
 #[derive(Debug, Default)]
 pub(crate) struct Side {
@@ -138,7 +141,41 @@ pub(crate) fn pair_sides(
             }
         }
     }
+    if best == 0 && !golden_given && !other_given {
+        // Both may be wrapped, each its own way: two simulators' waveforms of one design.
+        for (golden_scope, other_scope) in wrapped_alike(golden, other) {
+            let sides = (
+                Side::below(golden, &golden_scope),
+                Side::below(other, &other_scope),
+            );
+            let count = common_count(&sides.0, &sides.1);
+            if count > best {
+                (best, (golden_side, other_side)) = (count, sides);
+            }
+        }
+    }
     (golden_side, other_side)
+}
+
+/// What holds the outermost scope of one name on either side, for every name both have, if it is
+/// known to hold designs: two different designs with one unit in common are not to be paired by it.
+fn wrapped_alike(golden: &Header, other: &Header) -> Vec<(Vec<String>, Vec<String>)> {
+    let holder = |header: &Header, name: &String| {
+        let named = header.scopes.iter().filter_map(|scope| scope.split_last());
+        named
+            .filter(|(last, holder)| {
+                *last == name && holder.iter().all(|scope| WRAPPERS.contains(&&scope[..]))
+            })
+            .min_by_key(|(_, holder)| holder.len())
+            .map(|(_, holder)| holder.to_vec())
+    };
+    let names = golden.scopes.iter().filter_map(|scope| scope.last());
+    let mut found: Vec<_> = names
+        .take(MAX_CANDIDATES)
+        .filter_map(|name| Some((holder(golden, name)?, holder(other, name)?)))
+        .collect();
+    found.dedup();
+    found
 }
 
 fn common_count(golden: &Side, other: &Side) -> usize {
