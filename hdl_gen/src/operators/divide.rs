@@ -72,10 +72,15 @@ pub(super) fn divide(builder: &mut Builder, format: FloatFormat, rounding: Round
         let last_but_one = recurrence.digits[fraction_bits as usize + 1];
         let guard = builder.mux(reaches_one, last_but_one, last);
         builder.name(guard, "guard_bit");
-        let inexact = remainder_nonzero(builder, &recurrence);
-        let below_guard = builder.and(reaches_one, last);
-        let sticky = builder.or(inexact, below_guard);
-        builder.name(sticky, "sticky_bit");
+        // A quotient of two significands is never a tie: with one bit more than they have, and that
+        // bit a one, it times the divisor's odd part would be longer than the dividend is. So
+        // rounding to nearest needs no remainder.
+        let sticky = (rounding != Rounding::NearestEven).then(|| {
+            let inexact = remainder_nonzero(builder, &recurrence);
+            let below_guard = builder.and(reaches_one, last);
+            let sticky = builder.or(inexact, below_guard);
+            builder.name(sticky, "sticky_bit")
+        });
         Tail { guard, sticky }
     });
 
