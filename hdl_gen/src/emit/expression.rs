@@ -33,7 +33,11 @@ impl Expression {
     pub(super) fn flat(&self) -> String {
         match self {
             Expression::Atom(text) => text.clone(),
-            Expression::Unary(operator, a) => format!("{operator}{}", a.operand()),
+            // Two operators in a row read as one, to some tools too.
+            Expression::Unary(operator, a) => match **a {
+                Expression::Unary(..) => format!("{operator}({})", a.flat()),
+                _ => format!("{operator}{}", a.operand()),
+            },
             Expression::Chain(operator, operands) => operands
                 .iter()
                 .map(Expression::operand)

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use crate::identifier::is_identifier;
-use crate::netlist::{Module, Node, Operation, Wire};
+use crate::netlist::{Module, Operation, Wire};
 
 /// Names made of others stay below this length; a number is easier to follow than a sentence.
 const LONGEST: usize = 36;
@@ -50,23 +50,23 @@ pub(super) fn next_of(register: &str) -> String {
 }
 
 /// A name for an unnamed node from its operation and the short names of its operands; where these
-/// have none, from its only user; else from its operation and number.
+/// have none, from the name of what reads it in the end; else from its operation and number.
+/// `reader` is that name, and whether it is a slice of this very node.
 pub(super) fn derived_name(
     module: &Module,
     wire: Wire,
-    user: Option<&Node>,
+    reader: Option<(&str, bool)>,
     short: impl Fn(Wire) -> Option<String>,
 ) -> String {
-    let user_name = user
-        .and_then(|user| user.name.as_deref())
-        .map(without_suffix);
-    if let (Some(Operation::Slice { .. }), Some(name)) = (user.map(|u| &u.operation), user_name) {
-        return format!("{name}_wide");
+    if let Some((name, true)) = reader {
+        return format!("{}_wide", without_suffix(name));
     }
+    let reader = reader.map(|(name, _)| name).map(without_suffix);
+    let reader = reader.map(|name| name.strip_suffix("_q").unwrap_or(name));
     let node = module.node(wire);
     from_operands(module, &node.operation, short)
         .filter(|name| name.len() <= LONGEST && is_identifier(name))
-        .or_else(|| user_name.map(|name| format!("{name}_{}", noun(&node.operation))))
+        .or_else(|| reader.map(|name| format!("{name}_{}", noun(&node.operation))))
         .unwrap_or_else(|| format!("{}_n{}", noun(&node.operation), wire.index()))
 }
 

@@ -13,6 +13,9 @@ const OPERATORS_INLINE: u32 = 3;
 /// Columns such an expression may fill.
 const COLUMNS_INLINE: usize = 64;
 
+/// Nodes a name is looked for through.
+const FARTHEST_READER: u32 = 6;
+
 /// How the users of a node refer to it.
 #[derive(Clone, Debug)]
 enum Reference {
@@ -225,18 +228,40 @@ impl<'m> Plan<'m> {
         if let Some(&output) = shape.output_of.get(&wire) {
             return self.module.outputs[output].0.clone();
         }
-        let user = shape.only_user(wire).map(|user| self.module.node(user));
-        let register = shape.register_of.get(&wire).and_then(|register| {
-            let output = shape.output_of.get(register);
-            let output = output.map(|&output| &self.module.outputs[output].0);
-            self.module.node(*register).name.as_ref().or(output)
-        });
+        if let Some(register) = shape.register_of.get(&wire) {
+            if let Some(name) = self.given_name(*register, shape) {
+                let wanted = naming::next_of(name);
+                return naming::unique(&mut self.taken, wanted);
+            }
+        }
+        let reader = self.named_reader(wire, shape);
         let names = |operand: Wire| self.short_name(operand);
-        let wanted = match register {
-            Some(register) => naming::next_of(register),
-            None => naming::derived_name(self.module, wire, user, names),
-        };
+        let wanted = naming::derived_name(self.module, wire, reader, names);
         naming::unique(&mut self.taken, wanted)
+    }
+
+    /// The name a node got from its builder, as a signal or as an output port.
+    fn given_name(&self, wire: Wire, shape: &Shape) -> Option<&'m str> {
+        let output = shape.output_of.get(&wire);
+        let output = output.map(|&output| self.module.outputs[output].0.as_str());
+        self.module.node(wire).name.as_deref().or(output)
+    }
+
+    /// The first named node on the way from a node through those that alone read it; and is it
+    /// a slice right behind the node?
+    fn named_reader(&self, wire: Wire, shape: &Shape) -> Option<(&'m str, bool)> {
+        let mut reader = shape.only_user(wire)?;
+        let slice = matches!(self.module.node(reader).operation, Operation::Slice { .. });
+        if let (true, Some(name)) = (slice, self.given_name(reader, shape)) {
+            return Some((name, true));
+        }
+        for _ in 0..FARTHEST_READER {
+            if let Some(name) = self.given_name(reader, shape) {
+                return Some((name, false));
+            }
+            reader = shape.only_user(reader)?;
+        }
+        None
     }
 
     /// A word for a node inside the name of another, where it has one.
@@ -264,16 +289,13 @@ impl<'m> Plan<'m> {
     }
 
     /// A slice without a name: a select of the signal, or the bits of the literal.
-    fn slice(&mut self, from: Wire, low: u32, node: &Node) -> Reference {
+    fn slice(&self, from: Wire, low: u32, node: &Node) -> Reference {
         match self.references[from.index()].clone() {
             Some(Reference::Select { base, low: inner }) => self.slice(base, inner + low, node),
             Some(Reference::Literal(value)) => {
                 Reference::Literal(value >> low & (u64::MAX >> (64 - node.width)))
             }
-            _ => {
-                self.read[from.index()] |= (u64::MAX >> (64 - node.width)) << low;
-                Reference::Select { base: from, low }
-            }
+            _ => Reference::Select { base: from, low },
         }
     }
 
@@ -285,15 +307,19 @@ impl<'m> Plan<'m> {
                 self.read[wire.index()] = u64::MAX;
                 Expression::Atom(name)
             }
-            Some(Reference::Select { base, low }) => {
-                let name = self.signal(base).unwrap_or_default();
-                select(name, self.module.width(base), low, width)
-            }
+            Some(Reference::Select { base, low }) => self.select(base, low, width),
             Some(Reference::Literal(value)) => Expression::Atom(literal(value, width)),
             Some(Reference::Inline(expression)) => expression,
             // Only a node that stands before what it reads: no builder makes one.
             None => Expression::Atom(format!("n{}", wire.index())),
         }
+    }
+
+    /// Bits of a signal where a user reads them; notes that they are read.
+    fn select(&mut self, base: Wire, low: u32, count: u32) -> Expression {
+        self.read[base.index()] |= (u64::MAX >> (64 - count)) << low;
+        let name = self.signal(base).unwrap_or_default();
+        select(name, self.module.width(base), low, count)
     }
 
     /// The expression of a node's operation.
@@ -305,6 +331,7 @@ impl<'m> Plan<'m> {
             Operation::Not(a) => match self.operand(*a) {
                 Expression::Chain("==", sides) => Expression::Chain("!=", sides),
                 Expression::Chain("<", sides) => Expression::Chain(">=", sides),
+                Expression::Unary("!" | "~", twice) => *twice,
                 operand => {
                     let operator = if node.width == 1 { "!" } else { "~" };
                     Expression::Unary(operator, Box::new(operand))
@@ -357,10 +384,7 @@ impl<'m> Plan<'m> {
                 }
             }
             Operation::Slice { from, low } => match self.slice(*from, *low, node) {
-                Reference::Select { base, low } => {
-                    let name = self.signal(base).unwrap_or_default();
-                    select(name, self.module.width(base), low, node.width)
-                }
+                Reference::Select { base, low } => self.select(base, low, node.width),
                 Reference::Literal(value) => Expression::Atom(literal(value, node.width)),
                 Reference::Signal(_) | Reference::Inline(_) => self.operand(*from),
             },

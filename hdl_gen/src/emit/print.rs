@@ -222,7 +222,14 @@ impl File<'_> {
                 self.line(&format!("    reg  {range:column$}{name};"));
             }
         }
-        for block in section.items.chunk_by(both_wires) {
+        let alike = |a: &Item, b: &Item| match (a, b) {
+            (Item::Wire { wire: a, .. }, Item::Wire { wire: b, .. }) => {
+                self.plan.is_port(*a) == self.plan.is_port(*b)
+            }
+            _ => false,
+        };
+        let blocks: Vec<&[Item]> = section.items.chunk_by(alike).collect();
+        for block in blocks {
             if let [Item::Instance(instance)] = block {
                 self.instance(*instance);
             } else {
@@ -244,8 +251,7 @@ impl File<'_> {
                 Item::Wire { wire, value } => {
                     let name = self.plan.signal(*wire).unwrap_or_default();
                     let start = if self.plan.is_port(*wire) {
-                        // As long as `wire` and the range, so that the names line up.
-                        format!("    {:width$}", "assign ", width = column + 5)
+                        "    assign ".to_owned()
                     } else {
                         format!("    wire {:column$}", range(module.width(*wire)))
                     };
@@ -404,10 +410,6 @@ impl File<'_> {
         let bits = Expression::Concat(unread).broken(start.len());
         self.line(&format!("{start}{bits};"));
     }
-}
-
-fn both_wires(a: &Item, b: &Item) -> bool {
-    matches!((a, b), (Item::Wire { .. }, Item::Wire { .. }))
 }
 
 /// `start = value;`, on several lines where one would be too long.
