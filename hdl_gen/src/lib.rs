@@ -1,7 +1,10 @@
 //! From the golden model's datapaths to Verilog, vectors, testbenches and simulators.
 
 pub mod datapath;
+pub mod digest;
 pub mod emit;
+pub mod fault;
+pub mod identifier;
 pub mod nearest;
 pub mod netlist;
 pub mod operators;

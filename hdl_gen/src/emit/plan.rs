@@ -1,0 +1,716 @@
+//! What is printed where: which nodes are live, which get a signal of their own and under which
+//! name, which stand inside the expressions of their users, and which bits nothing reads.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+use super::expression::{Expression, literal};
+use super::naming;
+use crate::identifier::is_identifier;
+use crate::netlist::{Module, Node, Operation, Wire};
+
+/// Operators an expression may hold before it gets a signal of its own.
+const OPERATORS_INLINE: u32 = 3;
+/// Columns such an expression may fill.
+const COLUMNS_INLINE: usize = 64;
+
+/// Nodes a name is looked for through.
+const FARTHEST_READER: u32 = 6;
+
+/// How the users of a node refer to it.
+#[derive(Clone, Debug)]
+enum Reference {
+    /// By the name of its signal.
+    Signal(String),
+    /// By some bits of another node's signal, from this bit up.
+    Select { base: Wire, low: u32 },
+    /// By its value.
+    Literal(u64),
+    /// By the expression itself.
+    Inline(Expression),
+}
+
+/// A signal with its expression, or an instance, in the order they are printed in.
+#[derive(Clone, Debug)]
+pub(super) enum Item {
+    Wire { wire: Wire, value: Expression },
+    Instance(usize),
+}
+
+/// Registers of a section that take their values under the same condition.
+#[derive(Clone, Debug)]
+pub(super) struct RegisterGroup {
+    pub(super) enable: Option<Expression>,
+    /// The register, its reset value, and what it takes.
+    pub(super) registers: Vec<(Wire, Option<u64>, Expression)>,
+}
+
+/// All that one section prints.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Section {
+    pub(super) registers: Vec<Wire>,
+    pub(super) items: Vec<Item>,
+    pub(super) groups: Vec<RegisterGroup>,
+}
+
+/// The plan of a module's file.
+pub(super) struct Plan<'m> {
+    pub(super) module: &'m Module,
+    pub(super) sections: Vec<Section>,
+    /// By instance, what its ports are connected to: inputs, then the names on its outputs.
+    pub(super) connections: Vec<Option<(Vec<Expression>, Vec<String>)>>,
+    /// Wires for outputs of instances that nothing reads: instance, name and width.
+    pub(super) unused_outputs: Vec<(usize, String, u32)>,
+    /// What the outputs that are no signal's own port are assigned.
+    pub(super) outputs: Vec<(String, Expression)>,
+    live: Vec<bool>,
+    known: Vec<Option<u64>>,
+    references: Vec<Option<Reference>>,
+    section_of: Vec<usize>,
+    /// Bits of each signal that are read.
+    read: Vec<u64>,
+    taken: HashSet<String>,
+}
+
+impl<'m> Plan<'m> {
+    pub(super) fn new(module: &'m Module) -> Plan<'m> {
+        let known = known_values(module);
+        let live = live_nodes(module, &known);
+        let count = module.nodes.len();
+        let mut plan = Plan {
+            module,
+            sections: vec![Section::default(); module.sections.len()],
+            connections: vec![None; module.instances.len()],
+            unused_outputs: Vec::new(),
+            outputs: Vec::new(),
+            live,
+            known,
+            references: vec![None; count],
+            section_of: module.nodes.iter().map(|node| node.section).collect(),
+            read: vec![0; count],
+            taken: naming::taken_names(module),
+        };
+        let shape = Shape::new(module, &plan.live, &plan.known);
+        for index in 0..count {
+            if plan.live[index] {
+                plan.place(Wire(index as u32), &shape);
+            }
+        }
+        plan.group_registers();
+        plan.assign_outputs();
+        plan
+    }
+
+    /// The name of a node's signal, if it has one.
+    pub(super) fn signal(&self, wire: Wire) -> Option<&str> {
+        match self.references[wire.index()].as_ref() {
+            Some(Reference::Signal(name)) => Some(name),
+            _ => None,
+        }
+    }
+
+    /// Is this wire's signal one of the module's ports?
+    pub(super) fn is_port(&self, wire: Wire) -> bool {
+        let name = self.signal(wire);
+        matches!(self.module.node(wire).operation, Operation::Input)
+            || self
+                .module
+                .outputs
+                .iter()
+                .any(|(port, _)| Some(port.as_str()) == name)
+    }
+
+    /// Is a register with a reset, or without one, printed here, not in an instance?
+    pub(super) fn has_registers(&self, with_reset: bool) -> bool {
+        let groups = self.sections.iter().flat_map(|section| &section.groups);
+        groups
+            .flat_map(|group| &group.registers)
+            .any(|(_, reset, _)| !with_reset || reset.is_some())
+    }
+
+    /// Does any expression read the node?
+    pub(super) fn is_read(&self, wire: Wire) -> bool {
+        self.read[wire.index()] != 0
+    }
+
+    /// A name nothing else has.
+    pub(super) fn new_name(&mut self, wanted: &str) -> String {
+        naming::unique(&mut self.taken, wanted.to_owned())
+    }
+
+    /// The bits of signals that nothing reads, as selects.
+    pub(super) fn unread(&self) -> Vec<Expression> {
+        let mut unread = Vec::new();
+        for (index, node) in self.module.nodes.iter().enumerate() {
+            let wire = Wire(index as u32);
+            let input = matches!(node.operation, Operation::Input);
+            let name = match (self.signal(wire), &node.name) {
+                (Some(_), _) if self.is_port(wire) && !input => continue,
+                (Some(_), _) if matches!(node.operation, Operation::Constant(_)) => continue,
+                (Some(name), _) => name,
+                (None, Some(name)) if input => name,
+                _ => continue,
+            };
+            let mut high = node.width;
+            while high > 0 {
+                let read = |bit: u32| self.read[index] >> bit & 1 == 1;
+                if read(high - 1) {
+                    high -= 1;
+                    continue;
+                }
+                let low = (0..high)
+                    .rev()
+                    .find(|&bit| read(bit))
+                    .map_or(0, |bit| bit + 1);
+                unread.push(select(name, node.width, low, high - low));
+                high = low;
+            }
+        }
+        unread
+    }
+
+    /// Gives a live node its reference; its operands have theirs.
+    fn place(&mut self, wire: Wire, shape: &Shape) {
+        let node = self.module.node(wire);
+        let known = self.known[wire.index()];
+        if let Operation::InstanceOutput { instance, .. } = node.operation {
+            self.connect(instance, shape);
+            return;
+        }
+        if !matches!(node.operation, Operation::Register { .. }) {
+            self.stand_behind(wire, &node.operation.operands());
+        }
+        let section = self.section_of[wire.index()];
+        let reference = match &node.operation {
+            Operation::Input => Reference::Signal(node.name.clone().unwrap_or_default()),
+            Operation::Constant(value) => match &node.name {
+                Some(name) => Reference::Signal(name.clone()),
+                None => Reference::Literal(*value),
+            },
+            _ if known.is_some() && node.name.is_none() => {
+                Reference::Literal(known.unwrap_or_default())
+            }
+            Operation::Register { .. } => {
+                self.sections[section].registers.push(wire);
+                Reference::Signal(self.signal_name(wire, shape))
+            }
+            &Operation::Slice { from, low } if node.name.is_none() => self.slice(from, low, node),
+            _ => {
+                let value = self.definition(node, known);
+                if self.stays_inline(wire, &value, shape) {
+                    Reference::Inline(value)
+                } else {
+                    let name = self.signal_name(wire, shape);
+                    self.sections[section]
+                        .items
+                        .push(Item::Wire { wire, value });
+                    Reference::Signal(name)
+                }
+            }
+        };
+        self.references[wire.index()] = Some(reference);
+    }
+
+    /// Moves a node into the latest section of those it depends on, should it be told to stand
+    /// in an earlier one: a signal is declared before it is read.
+    fn stand_behind(&mut self, wire: Wire, operands: &[Wire]) {
+        let sections = operands
+            .iter()
+            .map(|operand| self.section_of[operand.index()]);
+        let latest = sections.max().unwrap_or_default();
+        let section = &mut self.section_of[wire.index()];
+        *section = latest.max(*section);
+    }
+
+    fn signal_name(&mut self, wire: Wire, shape: &Shape) -> String {
+        if let Some(name) = &self.module.node(wire).name {
+            return name.clone();
+        }
+        if let Some(&output) = shape.output_of.get(&wire) {
+            return self.module.outputs[output].0.clone();
+        }
+        if let Some(register) = shape.register_of.get(&wire) {
+            if let Some(name) = self.given_name(*register, shape) {
+                let wanted = naming::next_of(name);
+                return naming::unique(&mut self.taken, wanted);
+            }
+        }
+        let reader = self.named_reader(wire, shape);
+        let names = |operand: Wire| self.short_name(operand);
+        let wanted = naming::derived_name(self.module, wire, reader, names);
+        naming::unique(&mut self.taken, wanted)
+    }
+
+    /// The name a node got from its builder, as a signal or as an output port.
+    fn given_name(&self, wire: Wire, shape: &Shape) -> Option<&'m str> {
+        let output = shape.output_of.get(&wire);
+        let output = output.map(|&output| self.module.outputs[output].0.as_str());
+        self.module.node(wire).name.as_deref().or(output)
+    }
+
+    /// The first named node on the way from a node through those that alone read it; and is it
+    /// a slice right behind the node?
+    fn named_reader(&self, wire: Wire, shape: &Shape) -> Option<(&'m str, bool)> {
+        let mut reader = shape.only_user(wire)?;
+        let slice = matches!(self.module.node(reader).operation, Operation::Slice { .. });
+        if let (true, Some(name)) = (slice, self.given_name(reader, shape)) {
+            return Some((name, true));
+        }
+        for _ in 0..FARTHEST_READER {
+            if let Some(name) = self.given_name(reader, shape) {
+                return Some((name, false));
+            }
+            reader = shape.only_user(reader)?;
+        }
+        None
+    }
+
+    /// A word for a node inside the name of another, where it has one.
+    fn short_name(&self, wire: Wire) -> Option<String> {
+        match self.references[wire.index()].as_ref()? {
+            Reference::Signal(name) => Some(naming::without_suffix(name).to_lowercase()),
+            Reference::Select { base, .. } => self.short_name(*base),
+            Reference::Literal(value) => Some(value.to_string()),
+            Reference::Inline(Expression::Unary("!" | "~", a)) => match &**a {
+                Expression::Atom(name) if is_identifier(name) => {
+                    Some(format!("not_{}", naming::without_suffix(name)))
+                }
+                _ => None,
+            },
+            // An extended word goes by the name of the word.
+            Reference::Inline(_) => match &self.module.node(wire).operation {
+                Operation::SignExtend(a) => self.short_name(*a),
+                Operation::Concat(parts) => match parts[..] {
+                    [zeros, a] if self.known[zeros.index()] == Some(0) => self.short_name(a),
+                    _ => None,
+                },
+                _ => None,
+            },
+        }
+    }
+
+    /// A slice without a name: a select of the signal, or the bits of the literal.
+    fn slice(&self, from: Wire, low: u32, node: &Node) -> Reference {
+        match self.references[from.index()].clone() {
+            Some(Reference::Select { base, low: inner }) => self.slice(base, inner + low, node),
+            Some(Reference::Literal(value)) => {
+                Reference::Literal(value >> low & (u64::MAX >> (64 - node.width)))
+            }
+            _ => Reference::Select { base: from, low },
+        }
+    }
+
+    /// The text of a node where a user reads it; notes that its bits are read.
+    fn operand(&mut self, wire: Wire) -> Expression {
+        let width = self.module.width(wire);
+        match self.references[wire.index()].clone() {
+            Some(Reference::Signal(name)) => {
+                self.read[wire.index()] = u64::MAX;
+                Expression::Atom(name)
+            }
+            Some(Reference::Select { base, low }) => self.select(base, low, width),
+            Some(Reference::Literal(value)) => Expression::Atom(literal(value, width)),
+            Some(Reference::Inline(expression)) => expression,
+            // Only a node that stands before what it reads: no builder makes one.
+            None => Expression::Atom(format!("n{}", wire.index())),
+        }
+    }
+
+    /// Bits of a signal where a user reads them; notes that they are read.
+    fn select(&mut self, base: Wire, low: u32, count: u32) -> Expression {
+        self.read[base.index()] |= (u64::MAX >> (64 - count)) << low;
+        let name = self.signal(base).unwrap_or_default();
+        select(name, self.module.width(base), low, count)
+    }
+
+    /// The expression of a node's operation.
+    fn definition(&mut self, node: &Node, known: Option<u64>) -> Expression {
+        if let Some(value) = known {
+            return Expression::Atom(literal(value, node.width));
+        }
+        match &node.operation {
+            Operation::Not(a) => match self.operand(*a) {
+                Expression::Chain("==", sides) => Expression::Chain("!=", sides),
+                Expression::Chain("<", sides) => Expression::Chain(">=", sides),
+                Expression::Unary("!" | "~", twice) => *twice,
+                operand => {
+                    let operator = if node.width == 1 { "!" } else { "~" };
+                    Expression::Unary(operator, Box::new(operand))
+                }
+            },
+            Operation::And(a, b) => self.chain("&", *a, *b),
+            Operation::Or(a, b) => self.chain("|", *a, *b),
+            Operation::Xor(a, b) => self.chain("^", *a, *b),
+            Operation::Add(a, b) => self.chain("+", *a, *b),
+            Operation::Subtract(a, b) => self.chain("-", *a, *b),
+            Operation::ShiftLeft(a, b) => self.pair("<<", *a, *b),
+            Operation::ShiftRight(a, b) => self.pair(">>", *a, *b),
+            Operation::Equal(a, b) => self.pair("==", *a, *b),
+            Operation::LessThan(a, b) => self.pair("<", *a, *b),
+            Operation::Multiply(a, b) => {
+                // Operands as wide as the product, or Verilog would drop its upper half.
+                let sides = [*a, *b].map(|side| {
+                    let zeros = literal(0, node.width - self.module.width(side));
+                    Expression::Concat(vec![Expression::Atom(zeros), self.operand(side)])
+                });
+                Expression::Chain("*", sides.to_vec())
+            }
+            Operation::Mux {
+                select,
+                when_one,
+                when_zero,
+            } => {
+                let mut arms = vec![(self.operand(*select), self.operand(*when_one))];
+                match self.operand(*when_zero) {
+                    Expression::Choice(more, otherwise) => {
+                        arms.extend(more);
+                        Expression::Choice(arms, otherwise)
+                    }
+                    otherwise => Expression::Choice(arms, Box::new(otherwise)),
+                }
+            }
+            Operation::Concat(parts) => {
+                let mut texts = Vec::new();
+                for &part in parts {
+                    match self.operand(part) {
+                        Expression::Concat(inner) => texts.extend(inner),
+                        text => texts.push(text),
+                    }
+                }
+                match &texts[..] {
+                    [first, rest @ ..] if rest.len() > 1 && rest.iter().all(|t| t == first) => {
+                        Expression::Replicate(texts.len() as u32, Box::new(first.clone()))
+                    }
+                    _ => Expression::Concat(texts),
+                }
+            }
+            Operation::Slice { from, low } => match self.slice(*from, *low, node) {
+                Reference::Select { base, low } => self.select(base, low, node.width),
+                Reference::Literal(value) => Expression::Atom(literal(value, node.width)),
+                Reference::Signal(_) | Reference::Inline(_) => self.operand(*from),
+            },
+            Operation::SignExtend(from) => self.sign_extend(*from, node.width),
+            Operation::AnyBit(a) => Expression::Unary("|", Box::new(self.operand(*a))),
+            Operation::AllBits(a) => Expression::Unary("&", Box::new(self.operand(*a))),
+            Operation::Constant(value) => Expression::Atom(literal(*value, node.width)),
+            Operation::Input | Operation::Register { .. } | Operation::InstanceOutput { .. } => {
+                Expression::Atom(node.name.clone().unwrap_or_default())
+            }
+        }
+    }
+
+    fn pair(&mut self, operator: &'static str, a: Wire, b: Wire) -> Expression {
+        Expression::Chain(operator, vec![self.operand(a), self.operand(b)])
+    }
+
+    /// `a op b`, where a chain of the same operator on the left goes on without parentheses.
+    fn chain(&mut self, operator: &'static str, a: Wire, b: Wire) -> Expression {
+        let b = self.operand(b);
+        match self.operand(a) {
+            Expression::Chain(inner, mut operands) if inner == operator => {
+                operands.push(b);
+                Expression::Chain(operator, operands)
+            }
+            a => Expression::Chain(operator, vec![a, b]),
+        }
+    }
+
+    fn sign_extend(&mut self, from: Wire, width: u32) -> Expression {
+        let own = self.module.width(from);
+        let whole = self.operand(from);
+        let sign = match &self.references[from.index()] {
+            Some(Reference::Select { base, low }) => {
+                let name = self.signal(*base).unwrap_or_default();
+                select(name, self.module.width(*base), low + own - 1, 1)
+            }
+            Some(Reference::Literal(value)) => Expression::Atom(literal(value >> (own - 1), 1)),
+            _ => match &whole {
+                Expression::Atom(name) => select(name, own, own - 1, 1),
+                other => other.clone(),
+            },
+        };
+        if own == 1 {
+            return Expression::Replicate(width, Box::new(whole));
+        }
+        let copies = match width - own {
+            1 => sign,
+            more => Expression::Replicate(more, Box::new(sign)),
+        };
+        Expression::Concat(vec![copies, whole])
+    }
+
+    /// May the expression stand where its node is used?
+    fn stays_inline(&self, wire: Wire, value: &Expression, shape: &Shape) -> bool {
+        let node = self.module.node(wire);
+        if node.name.is_some()
+            || shape.needs_signal.contains(&wire)
+            || shape.output_of.contains_key(&wire)
+        {
+            return false;
+        }
+        if let Expression::Unary("!" | "~", a) = value {
+            // `!valid` needs no second name, however often it is used.
+            if matches!(**a, Expression::Atom(_)) {
+                return true;
+            }
+        }
+        if shape.uses[wire.index()] != 1 {
+            return false;
+        }
+        if let (Expression::Choice(arms, _), Some(user)) = (value, shape.only_user(wire)) {
+            let goes_on = matches!(self.module.node(user).operation,
+                Operation::Mux { when_zero, when_one, select }
+                    if when_zero == wire && when_one != wire && select != wire);
+            if goes_on {
+                return arms.len() < 12;
+            }
+        }
+        operators(value) <= OPERATORS_INLINE && value.flat().len() <= COLUMNS_INLINE
+    }
+
+    /// Names the live outputs of an instance and connects it, at the first of them.
+    fn connect(&mut self, instance: usize, shape: &Shape) {
+        if self.connections[instance].is_some() {
+            return;
+        }
+        let inner = &self.module.instances[instance];
+        let outputs = &shape.instance_outputs[instance];
+        for &wire in outputs.values() {
+            self.stand_behind(wire, &inner.inputs);
+        }
+        let sections = outputs.values().map(|wire| self.section_of[wire.index()]);
+        let section = sections.max().unwrap_or_default();
+        let inputs = inner
+            .inputs
+            .iter()
+            .map(|&wire| self.operand(wire))
+            .collect();
+        let mut names = Vec::new();
+        for (output, (port, driver)) in inner.module.outputs.iter().enumerate() {
+            let name = match outputs.get(&output) {
+                Some(&wire) => {
+                    let name = self.signal_name(wire, shape);
+                    self.references[wire.index()] = Some(Reference::Signal(name.clone()));
+                    self.section_of[wire.index()] = section;
+                    name
+                }
+                None => {
+                    let port = naming::without_suffix(port);
+                    let wanted = format!("unused_{}_{port}", inner.name);
+                    let name = naming::unique(&mut self.taken, wanted);
+                    let width = inner.module.width(*driver);
+                    self.unused_outputs.push((instance, name.clone(), width));
+                    name
+                }
+            };
+            names.push(name);
+        }
+        self.connections[instance] = Some((inputs, names));
+        self.sections[section].items.push(Item::Instance(instance));
+    }
+
+    /// Gathers the registers that share section and condition.
+    fn group_registers(&mut self) {
+        let mut groups: BTreeMap<(usize, Option<Wire>, bool), Vec<Wire>> = BTreeMap::new();
+        for (index, node) in self.module.nodes.iter().enumerate() {
+            let Operation::Register {
+                next,
+                enable,
+                reset,
+            } = &node.operation
+            else {
+                continue;
+            };
+            if !self.live[index] {
+                continue;
+            }
+            // The block stands where all it reads has been declared.
+            let read = next
+                .iter()
+                .chain(enable)
+                .map(|wire| self.section_of[wire.index()]);
+            let section = read.max().unwrap_or_default().max(self.section_of[index]);
+            let key = (section, *enable, reset.is_none());
+            groups.entry(key).or_default().push(Wire(index as u32));
+        }
+        for ((section, enable, _), wires) in groups {
+            let enable = enable.map(|wire| self.operand(wire));
+            let mut registers = Vec::new();
+            for wire in wires {
+                if let Operation::Register { next, reset, .. } = self.module.node(wire).operation {
+                    let value = self.operand(next.unwrap_or(wire));
+                    registers.push((wire, reset, value));
+                }
+            }
+            self.sections[section]
+                .groups
+                .push(RegisterGroup { enable, registers });
+        }
+    }
+
+    fn assign_outputs(&mut self) {
+        for (name, wire) in &self.module.outputs {
+            if self.signal(*wire) != Some(name) {
+                let value = self.operand(*wire);
+                self.outputs.push((name.clone(), value));
+            }
+        }
+    }
+}
+
+/// The bits `low` up of a signal of `width` bits, `count` of them; a signal of one bit has none.
+fn select(name: &str, width: u32, low: u32, count: u32) -> Expression {
+    Expression::Atom(if count == width {
+        name.to_owned()
+    } else if count == 1 {
+        format!("{name}[{low}]")
+    } else {
+        format!("{name}[{}:{low}]", low + count - 1)
+    })
+}
+
+fn operators(expression: &Expression) -> u32 {
+    match expression {
+        Expression::Atom(_) => 0,
+        Expression::Unary(_, a) => operators(a) + u32::from(!matches!(**a, Expression::Atom(_))),
+        Expression::Chain(_, operands) => {
+            operands.len() as u32 - 1 + operands.iter().map(operators).sum::<u32>()
+        }
+        Expression::Choice(arms, otherwise) => {
+            let inside = |(a, b): &(Expression, Expression)| 1 + operators(a) + operators(b);
+            arms.iter().map(inside).sum::<u32>() + operators(otherwise)
+        }
+        Expression::Concat(parts) => parts.iter().map(operators).sum(),
+        Expression::Replicate(_, a) => operators(a),
+    }
+}
+
+/// The nodes whose value is plain to see: constants, and comparisons no operand can decide. Lint
+/// tools ask what such a comparison is for.
+fn known_values(module: &Module) -> Vec<Option<u64>> {
+    let mut known: Vec<Option<u64>> = Vec::with_capacity(module.nodes.len());
+    for node in &module.nodes {
+        // A register's operands may stand behind it; all others are there already.
+        let of = |wire: &Wire| known.get(wire.index()).copied().flatten();
+        known.push(match &node.operation {
+            Operation::Constant(value) => Some(*value),
+            Operation::Slice { from, low } => {
+                of(from).map(|value| value >> low & (u64::MAX >> (64 - node.width)))
+            }
+            Operation::LessThan(a, b) => {
+                let greatest = u64::MAX >> (64 - module.width(*a));
+                (of(a) == Some(greatest) || of(b) == Some(0)).then_some(0)
+            }
+            _ => None,
+        });
+    }
+    known
+}
+
+/// What the outputs depend on, registers and instances included.
+fn live_nodes(module: &Module, known: &[Option<u64>]) -> Vec<bool> {
+    let mut live = vec![false; module.nodes.len()];
+    let mut pending: Vec<Wire> = module.outputs.iter().map(|&(_, wire)| wire).collect();
+    while let Some(wire) = pending.pop() {
+        if std::mem::replace(&mut live[wire.index()], true) || known[wire.index()].is_some() {
+            continue;
+        }
+        match &module.node(wire).operation {
+            Operation::InstanceOutput { instance, .. } => {
+                pending.extend(&module.instances[*instance].inputs);
+            }
+            operation => pending.extend(operation.operands()),
+        }
+    }
+    live
+}
+
+/// Who uses what, before anything has a text.
+struct Shape {
+    /// How often a live node is printed.
+    uses: Vec<u32>,
+    users: Vec<Option<Wire>>,
+    /// Nodes of which bits are selected.
+    needs_signal: HashSet<Wire>,
+    /// The first register that takes a node.
+    register_of: HashMap<Wire, Wire>,
+    /// The output port that an unnamed node is.
+    output_of: HashMap<Wire, usize>,
+    /// By instance: the live nodes of its outputs.
+    instance_outputs: Vec<HashMap<usize, Wire>>,
+}
+
+impl Shape {
+    fn new(module: &Module, live: &[bool], known: &[Option<u64>]) -> Shape {
+        let mut shape = Shape {
+            uses: vec![0; live.len()],
+            users: vec![None; live.len()],
+            needs_signal: HashSet::new(),
+            register_of: HashMap::new(),
+            output_of: HashMap::new(),
+            instance_outputs: vec![HashMap::new(); module.instances.len()],
+        };
+        let mut enables = HashSet::new();
+        let live_wires = || (0..live.len()).filter(|&i| live[i]).map(|i| Wire(i as u32));
+        for wire in live_wires() {
+            let node = module.node(wire);
+            if known[wire.index()].is_some() {
+                continue;
+            }
+            match &node.operation {
+                Operation::Register {
+                    next,
+                    enable,
+                    reset,
+                } => {
+                    shape.use_all(next, wire);
+                    if let Some(next) = next {
+                        shape.register_of.entry(*next).or_insert(wire);
+                    }
+                    // Registers with the same enable share the line it stands in.
+                    let group = (node.section, *enable, reset.is_some());
+                    if enables.insert(group) {
+                        shape.use_all(enable, wire);
+                    }
+                    continue;
+                }
+                Operation::InstanceOutput { instance, output } => {
+                    shape.instance_outputs[*instance].insert(*output, wire);
+                }
+                Operation::Slice { from, .. } | Operation::SignExtend(from) => {
+                    shape.needs_signal.insert(*from);
+                }
+                _ => {}
+            }
+            shape.use_all(&node.operation.operands(), wire);
+        }
+        for (instance, outputs) in module.instances.iter().zip(&shape.instance_outputs) {
+            if !outputs.is_empty() {
+                for &input in &instance.inputs {
+                    // No node is the user: an instance is none.
+                    shape.uses[input.index()] += 1;
+                    shape.users[input.index()] = None;
+                }
+            }
+        }
+        for (index, &(_, wire)) in module.outputs.iter().enumerate() {
+            let node = module.node(wire);
+            let own = !matches!(node.operation, Operation::Input | Operation::Slice { .. });
+            if own && known[wire.index()].is_none() && node.name.is_none() {
+                shape.output_of.entry(wire).or_insert(index);
+            }
+        }
+        shape
+    }
+
+    fn use_all<'w>(&mut self, wires: impl IntoIterator<Item = &'w Wire>, user: Wire) {
+        for &wire in wires {
+            self.uses[wire.index()] += 1;
+            self.users[wire.index()] = Some(user);
+        }
+    }
+
+    /// The one node that reads this one, if it is one.
+    fn only_user(&self, wire: Wire) -> Option<Wire> {
+        self.users[wire.index()].filter(|_| self.uses[wire.index()] == 1)
+    }
+}
