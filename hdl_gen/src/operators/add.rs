@@ -145,7 +145,10 @@ pub(super) fn add(
         let below_guard = builder.slice(normalised_sum, fraction_low - 2, 0);
         let sticky = builder.any_bit(below_guard);
         builder.name(sticky, "sum_sticky_bit");
-        Tail { guard, sticky }
+        Tail {
+            guard,
+            sticky: Some(sticky),
+        }
     });
 
     builder.section("special cases");

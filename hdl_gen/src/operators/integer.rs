@@ -71,7 +71,10 @@ pub(super) fn from_integer(
             builder.constant(0, 1)
         };
         builder.name(sticky, "sticky_bit");
-        Tail { guard, sticky }
+        Tail {
+            guard,
+            sticky: Some(sticky),
+        }
     });
 
     builder.section("exponent");

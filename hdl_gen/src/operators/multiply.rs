@@ -82,7 +82,10 @@ pub(super) fn multiply(builder: &mut Builder, format: FloatFormat, rounding: Rou
         let below_at_two = builder.and(reaches_two, guard_at_one);
         let sticky = builder.or(below_either, below_at_two);
         builder.name(sticky, "sticky_bit");
-        Tail { guard, sticky }
+        Tail {
+            guard,
+            sticky: Some(sticky),
+        }
     });
 
     round(

@@ -10,8 +10,9 @@ use crate::netlist::{Builder, Wire};
 pub(super) struct Tail {
     /// The first of them: half a unit in the last place.
     pub guard: Wire,
-    /// Is any further one set?
-    pub sticky: Wire,
+    /// Is any further one set? None where that changes nothing: rounding to nearest a result that
+    /// is never a tie, or a directed rounding whose guard bit already says that it is inexact.
+    pub sticky: Option<Wire>,
 }
 
 /// A result before it is rounded and packed.
@@ -108,12 +109,19 @@ fn round_up(
         Rounding::TowardZero => return None,
         Rounding::NearestEven => {
             // Above one half, or at one half with an odd last bit.
-            let last_bit = builder.bit(exact.fraction, 0);
-            let odd_or_above = builder.or(tail.sticky, last_bit);
-            builder.and(tail.guard, odd_or_above)
+            if let Some(sticky) = tail.sticky {
+                let last_bit = builder.bit(exact.fraction, 0);
+                let odd_or_above = builder.or(sticky, last_bit);
+                builder.and(tail.guard, odd_or_above)
+            } else {
+                tail.guard
+            }
         }
         Rounding::Up | Rounding::Down => {
-            let inexact = builder.or(tail.guard, tail.sticky);
+            let inexact = match tail.sticky {
+                Some(sticky) => builder.or(tail.guard, sticky),
+                None => tail.guard,
+            };
             let away = match rounding {
                 Rounding::Up => builder.not(exact.sign),
                 _ => exact.sign,

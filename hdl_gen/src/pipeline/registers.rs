@@ -162,7 +162,7 @@ impl<'a> Rebuild<'a> {
             for run in runs(&self.dataflow.source_bits[wire.index()]) {
                 let (width, constant) = match run {
                     Run::Source { low, high, .. } => (high - low + 1, false),
-                    Run::Constant { width } => (width, true),
+                    Run::Constant { width, .. } => (width, true),
                 };
                 if !constant {
                     kept.push((low, width));
@@ -228,15 +228,18 @@ impl<'a> Rebuild<'a> {
                 let from = self.word(*from, stage);
                 self.builder.sign_extend(from, node.width)
             }
-            // A slice: the source may be held in this stage only as far as it is read.
-            Operation::Slice { from, low } => {
+            // The sliced word may be held in this stage only as far as it is read: bit by bit.
+            Operation::Slice { .. } => {
                 let runs = runs(&self.dataflow.source_bits[index]);
-                if let [Run::Source { node, low, high }] = runs[..] {
-                    self.bits(node, low, high, stage)
-                } else {
-                    let from = self.word(*from, stage);
-                    self.builder.slice(from, low + node.width - 1, *low)
-                }
+                let parts: Vec<Wire> = runs
+                    .into_iter()
+                    .rev()
+                    .map(|run| match run {
+                        Run::Source { node, low, high } => self.bits(node, low, high, stage),
+                        Run::Constant { width, value } => self.builder.constant(value, width),
+                    })
+                    .collect();
+                self.builder.concat(&parts)
             }
             other => unreachable!("{other:?} is no wiring"),
         };

@@ -3,8 +3,14 @@
 use super::delay::{Delay, delay, is_wiring, longest_path};
 use crate::netlist::{Module, Operation, Wire};
 
-/// A bit that an operation reads: a bit of another one's result, or none where it is constant.
-pub(super) type SourceBit = Option<(usize, u32)>;
+/// Where a bit comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SourceBit {
+    /// A bit of the result of a node that computes, or of an input.
+    Computed { node: usize, bit: u32 },
+    /// It is constant.
+    Constant(bool),
+}
 
 /// A combinational module seen through its wiring: slices, joins and constants resolved to the
 /// bits of the operations behind them.
@@ -26,7 +32,9 @@ impl Dataflow {
         let mut source_bits: Vec<Vec<SourceBit>> = Vec::with_capacity(module.nodes.len());
         for (index, node) in module.nodes.iter().enumerate() {
             let bits = match &node.operation {
-                Operation::Constant(_) => vec![None; node.width as usize],
+                Operation::Constant(value) => (0..node.width)
+                    .map(|bit| SourceBit::Constant(value >> bit & 1 == 1))
+                    .collect(),
                 Operation::Slice { from, low } => {
                     source_bits[from.index()][*low as usize..][..node.width as usize].to_vec()
                 }
@@ -41,17 +49,22 @@ impl Dataflow {
                     bits.resize(node.width as usize, sign);
                     bits
                 }
-                _ => (0..node.width).map(|bit| Some((index, bit))).collect(),
+                _ => (0..node.width)
+                    .map(|bit| SourceBit::Computed { node: index, bit })
+                    .collect(),
             };
             source_bits.push(bits);
         }
         let masks = |wires: &[Wire]| {
             let mut masks: Vec<(usize, u64)> = Vec::new();
             let bits = wires.iter().flat_map(|wire| &source_bits[wire.index()]);
-            for &(source, bit) in bits.flatten() {
-                match masks.iter_mut().find(|(other, _)| *other == source) {
+            for &bit in bits {
+                let SourceBit::Computed { node, bit } = bit else {
+                    continue;
+                };
+                match masks.iter_mut().find(|(other, _)| *other == node) {
                     Some((_, mask)) => *mask |= 1 << bit,
-                    None => masks.push((source, 1 << bit)),
+                    None => masks.push((node, 1 << bit)),
                 }
             }
             masks
@@ -316,8 +329,8 @@ impl Dataflow {
 pub(super) enum Run {
     /// Bits low..=high of a node, ascending.
     Source { node: usize, low: u32, high: u32 },
-    /// So many constant bits.
-    Constant { width: u32 },
+    /// So many constant bits and their value.
+    Constant { width: u32, value: u64 },
 }
 
 /// A word's bits in runs, the lowest first.
@@ -325,18 +338,24 @@ pub(super) fn runs(bits: &[SourceBit]) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for &bit in bits {
         match (runs.last_mut(), bit) {
-            (Some(Run::Source { node, high, .. }), Some((source, bit)))
+            (Some(Run::Source { node, high, .. }), SourceBit::Computed { node: source, bit })
                 if *node == source && *high + 1 == bit =>
             {
                 *high = bit;
             }
-            (Some(Run::Constant { width }), None) => *width += 1,
-            (_, Some((node, bit))) => runs.push(Run::Source {
+            (Some(Run::Constant { width, value }), SourceBit::Constant(bit)) => {
+                *value |= u64::from(bit) << *width;
+                *width += 1;
+            }
+            (_, SourceBit::Computed { node, bit }) => runs.push(Run::Source {
                 node,
                 low: bit,
                 high: bit,
             }),
-            (_, None) => runs.push(Run::Constant { width: 1 }),
+            (_, SourceBit::Constant(bit)) => runs.push(Run::Constant {
+                width: 1,
+                value: bit.into(),
+            }),
         }
     }
     runs
