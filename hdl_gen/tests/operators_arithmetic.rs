@@ -131,25 +131,30 @@ fn with_fault(module: &Module, index: usize) -> Option<Arc<Module>> {
 #[test]
 fn a_planted_fault_is_caught() {
     let format = FloatFormat::E4F3;
-    let rounding = Rounding::NearestEven;
-    for kind in ROUNDED {
-        let module = float_operator(kind, format, rounding, 0);
-        let (mut planted, mut missed) = (0, Vec::new());
-        for index in 0..module.nodes.len() {
-            let Some(faulty) = with_fault(&module, index) else {
-                continue;
-            };
-            let is_or = matches!(module.nodes[index].operation, Operation::Or(..));
-            let outcome: Result<u64, Mismatch> = Bench::new(&faulty)
-                .run(all_pairs(format), |[a, b]| {
-                    golden_binary(kind, format, rounding, a, b)
-                });
-            planted += 1;
-            if outcome.is_ok() && !is_or {
-                missed.push((index, module.nodes[index].name.clone()));
+    let cases = operators()
+        .into_iter()
+        .filter(|(kind, _)| ROUNDED.contains(kind));
+    cases
+        .collect::<Vec<_>>()
+        .into_par_iter()
+        .for_each(|(kind, rounding)| {
+            let module = float_operator(kind, format, rounding, 0);
+            let (mut planted, mut missed) = (0, Vec::new());
+            for index in 0..module.nodes.len() {
+                let Some(faulty) = with_fault(&module, index) else {
+                    continue;
+                };
+                let is_or = matches!(module.nodes[index].operation, Operation::Or(..));
+                let outcome: Result<u64, Mismatch> = Bench::new(&faulty)
+                    .run(all_pairs(format), |[a, b]| {
+                        golden_binary(kind, format, rounding, a, b)
+                    });
+                planted += 1;
+                if outcome.is_ok() && !is_or {
+                    missed.push((index, module.nodes[index].name.clone()));
+                }
             }
-        }
-        assert!(planted > 30, "{}: {planted} faults", module.name);
-        assert_eq!(missed, [], "{}", module.name);
-    }
+            assert!(planted > 20, "{}: {planted} faults", module.name);
+            assert_eq!(missed, [], "{}", module.name);
+        });
 }

@@ -2,7 +2,7 @@
 
 use rtl_model::float::{FloatFormat, Rounding};
 
-use super::round::{Tail, Unrounded, exponent_constant, exponent_width, needs_tail, round};
+use super::round::{Tail, Unrounded, exponent_constant, exponent_width, round};
 use super::unpack::{classify, fields};
 use crate::netlist::{Builder, Wire};
 
@@ -19,12 +19,12 @@ pub(super) fn divide(builder: &mut Builder, format: FloatFormat, rounding: Round
         "a two's complement exponent from smallest by largest to largest by smallest",
     );
     // A quotient below one begins with its second bit, so there is one more than the significand,
-    // and where the rounding looks below the fraction a guard bit.
-    let quotient_bits = fraction_bits + 2 + u32::from(needs_tail(rounding));
+    // and for rounding to nearest a guard bit.
+    let quotient_bits = fraction_bits + 2 + u32::from(rounding == Rounding::NearestEven);
     builder.localparam(
         "QUOTIENT_BITS",
         quotient_bits.into(),
-        "the significand and one bit for quotients below one, and the guard bit where one is used",
+        "the significand, a bit for quotients below one, and a guard bit if rounding to nearest",
     );
 
     let a_i = builder.input("a_i", format.width());
@@ -67,21 +67,23 @@ pub(super) fn divide(builder: &mut Builder, format: FloatFormat, rounding: Round
     let adjustment_below_one = exponent_constant(builder, bias - 1, exponent_word_bits);
     let adjustment = builder.mux(reaches_one, adjustment_at_one, adjustment_below_one);
     builder.name(adjustment, "exponent_adjustment");
-    let tail = needs_tail(rounding).then(|| {
-        let last = recurrence.digits[fraction_bits as usize + 2];
-        let last_but_one = recurrence.digits[fraction_bits as usize + 1];
-        let guard = builder.mux(reaches_one, last_but_one, last);
-        builder.name(guard, "guard_bit");
-        // A quotient of two significands is never a tie: with one bit more than they have, and that
-        // bit a one, it times the divisor's odd part would be longer than the dividend is. So
-        // rounding to nearest needs no remainder.
-        let sticky = (rounding != Rounding::NearestEven).then(|| {
-            let inexact = remainder_nonzero(builder, &recurrence);
-            let below_guard = builder.and(reaches_one, last);
-            let sticky = builder.or(inexact, below_guard);
-            builder.name(sticky, "sticky_bit")
-        });
-        Tail { guard, sticky }
+    // A quotient of two significands is never a tie: with one bit more than they have, and that bit
+    // a one, it times the divisor's odd part would be longer than the dividend is. So rounding to
+    // nearest needs no remainder, and a directed rounding no guard bit: a quotient without
+    // remainder fits the significand.
+    let tail = match rounding {
+        Rounding::TowardZero => None,
+        Rounding::NearestEven => {
+            let last = recurrence.digits[fraction_bits as usize + 2];
+            let last_but_one = recurrence.digits[fraction_bits as usize + 1];
+            let guard = builder.mux(reaches_one, last_but_one, last);
+            Some(builder.name(guard, "guard_bit"))
+        }
+        Rounding::Up | Rounding::Down => Some(remainder_nonzero(builder, &recurrence)),
+    };
+    let tail = tail.map(|guard| Tail {
+        guard,
+        sticky: None,
     });
 
     round(

@@ -10,8 +10,8 @@ use crate::netlist::{Builder, Wire};
 pub(super) struct Tail {
     /// The first of them: half a unit in the last place.
     pub guard: Wire,
-    /// Is any further one set? None, for rounding to nearest only, where one always is if the
-    /// guard bit is: a result that is never a tie.
+    /// Is any further one set? None where that changes nothing: rounding to nearest a result that
+    /// is never a tie, or a directed rounding whose guard bit already says that it is inexact.
     pub sticky: Option<Wire>,
 }
 
@@ -118,8 +118,10 @@ fn round_up(
             }
         }
         Rounding::Up | Rounding::Down => {
-            let sticky = tail.sticky.expect("a directed rounding looks at every bit");
-            let inexact = builder.or(tail.guard, sticky);
+            let inexact = match tail.sticky {
+                Some(sticky) => builder.or(tail.guard, sticky),
+                None => tail.guard,
+            };
             let away = match rounding {
                 Rounding::Up => builder.not(exact.sign),
                 _ => exact.sign,
