@@ -7,9 +7,14 @@ use rtl_model::float::FloatFormat;
 use rtl_model::units::traverse_step::TraverseShape;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let folder = std::env::args().nth(1).ok_or("usage: emit_traverse FOLDER")?;
+    let folder = std::env::args()
+        .nth(1)
+        .ok_or("usage: emit_traverse FOLDER")?;
     let unit = TraverseUnit::build(UnitConfiguration {
-        shape: TraverseShape { root_level: 8, height_bits: 8 },
+        shape: TraverseShape {
+            root_level: 8,
+            height_bits: 8,
+        },
         format: FloatFormat::E7F16,
         latencies: OperatorLatencies::PAPER,
     });

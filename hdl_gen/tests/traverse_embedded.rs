@@ -12,7 +12,10 @@ use rtl_model::units::traverse::shape_for;
 
 #[test]
 fn every_register_is_the_golden_one_in_every_cycle() {
-    let map = MapSource::parse("procedural:rocks:64:1").unwrap().load(Channel::Grey, false).unwrap();
+    let map = MapSource::parse("procedural:rocks:64:1")
+        .unwrap()
+        .load(Channel::Grey, false)
+        .unwrap();
     let pyramid = Pyramid::new(&map);
     let configuration = UnitConfiguration {
         shape: shape_for(&pyramid),

@@ -4,8 +4,8 @@ use super::record::Recording;
 use super::schedule::{OperatorLatencies, Schedule};
 use super::signal::{Kind, RecordedOperation, SignalId};
 use crate::netlist::{Builder, Meaning, Module, Wire};
-use crate::pipeline::ENABLE;
 use crate::operators::{FloatOperator, float_operator};
+use crate::pipeline::ENABLE;
 use rtl_model::float::Rounding;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -179,7 +179,7 @@ impl Build<'_> {
             let is_built = self.schedule.last_read[index].is_some()
                 && !signal.operation.is_constant()
                 && !matches!(signal.operation, RecordedOperation::Input { .. });
-            if !is_built || self.schedule.read_stage(&signal.operation) != stage {
+            if !is_built || self.schedule.start[index] != stage {
                 continue;
             }
             let latency = self.latencies.of(&signal.operation);
@@ -252,7 +252,9 @@ impl Build<'_> {
             .inputs
             .iter()
             .map(|&port| match module.node(port).name.as_deref() {
-                Some(ENABLE) => self.enable.expect("a datapath with an operator has an enable"),
+                Some(ENABLE) => self
+                    .enable
+                    .expect("a datapath with an operator has an enable"),
                 _ => *operands.next().expect("one operand for each port"),
             })
             .collect();

@@ -48,6 +48,8 @@ impl OperatorLatencies {
 /// Where everything stands in time. Stage s is the logic behind the s-th rank of registers.
 #[derive(Clone, Debug)]
 pub struct Schedule {
+    /// The stage in which each operation reads its operands; for an input, in which it arrives.
+    pub start: Vec<u32>,
     /// The stage in which each signal is there; constants are there in every stage: `None`.
     pub available: Vec<Option<u32>>,
     /// The last stage in which each signal is read, by an operation or an output; `None` for a
@@ -57,33 +59,36 @@ pub struct Schedule {
     pub last_stage: u32,
 }
 
-impl Schedule {
-    /// The stage in which an operation reads its operands; 0 if all of them are constants.
-    pub fn read_stage(&self, operation: &RecordedOperation) -> u32 {
-        let available = |id: &SignalId| self.available[id.index()];
-        operation
-            .operands()
-            .iter()
-            .filter_map(available)
-            .max()
-            .unwrap_or(0)
-    }
-}
-
-/// As soon as possible: every operation starts in the first stage in which its operands are there.
+/// The shortest schedule, with few registers.
+///
+/// The length is that of every operation starting as soon as its operands are there. Within it
+/// each operation, from the last to the first, moves to the stage that costs the fewest register
+/// bits: those that carry its result on to where it is read, and those that carry an operand
+/// further than others carry it anyway. So what is made of long-lived inputs (a midline of a node
+/// index, a count) is made where it is needed, and a comparison's one bit is made at once.
 pub fn schedule(recording: &Recording, latencies: &OperatorLatencies) -> Schedule {
     let count = recording.signals.len();
     let mut schedule = Schedule {
+        start: vec![0; count],
         available: vec![None; count],
         last_read: vec![None; count],
         last_stage: 0,
     };
     for (index, signal) in recording.signals.iter().enumerate() {
-        schedule.available[index] = match signal.operation {
-            RecordedOperation::Input { stage } => Some(stage),
-            ref constant if constant.is_constant() => None,
-            ref operation => Some(schedule.read_stage(operation) + latencies.of(operation)),
+        let available = |id: &SignalId| schedule.available[id.index()];
+        schedule.start[index] = match signal.operation {
+            RecordedOperation::Input { stage } => stage,
+            ref operation => operation
+                .operands()
+                .iter()
+                .filter_map(available)
+                .max()
+                .unwrap_or(0),
         };
+        if !signal.operation.is_constant() {
+            let latency = latencies.of(&signal.operation);
+            schedule.available[index] = Some(schedule.start[index] + latency);
+        }
     }
     let available = |id: SignalId| schedule.available[id.index()].unwrap_or(0);
     let together = recording.outputs.iter().filter(|output| !output.early);
@@ -91,27 +96,51 @@ pub fn schedule(recording: &Recording, latencies: &OperatorLatencies) -> Schedul
         .map(|output| available(output.signal))
         .max()
         .unwrap_or(0);
-    let mut last_read: Vec<Option<u32>> = vec![None; count];
+
+    // First and last stage in which a signal is read, as far as its readers are placed.
+    let mut first_read: Vec<Option<u32>> = vec![None; count];
+    let read = |schedule: &mut Schedule, first_read: &mut Vec<Option<u32>>, id: SignalId, stage| {
+        let first = &mut first_read[id.index()];
+        *first = Some(first.map_or(stage, |first: u32| first.min(stage)));
+        let last = &mut schedule.last_read[id.index()];
+        *last = (*last).max(Some(stage));
+    };
     for output in &recording.outputs {
-        let stage = if output.early {
-            available(output.signal)
-        } else {
-            schedule.last_stage
+        let stage = match output.early {
+            true => schedule.available[output.signal.index()].unwrap_or(0),
+            false => schedule.last_stage,
         };
-        let read = &mut last_read[output.signal.index()];
-        *read = (*read).max(Some(stage));
+        read(&mut schedule, &mut first_read, output.signal, stage);
     }
     for index in (0..count).rev() {
-        if last_read[index].is_none() {
+        let operation = &recording.signals[index].operation;
+        let (Some(first), Some(last)) = (first_read[index], schedule.last_read[index]) else {
+            continue;
+        };
+        if operation.is_constant() || matches!(operation, RecordedOperation::Input { .. }) {
             continue;
         }
-        let operation = &recording.signals[index].operation;
-        let stage = schedule.read_stage(operation);
-        for operand in operation.operands() {
-            let read = &mut last_read[operand.index()];
-            *read = (*read).max(Some(stage));
+        let latency = latencies.of(operation);
+        let width = recording.width(SignalId(index));
+        let operands = operation.operands();
+        let register_bits = |start: u32| {
+            let carried_on = width * (last - (start + latency));
+            let carried_to = |id: &SignalId| {
+                let available = schedule.available[id.index()]?;
+                let carried_anyway = schedule.last_read[id.index()].unwrap_or(0).max(available);
+                Some(recording.width(*id) * start.saturating_sub(carried_anyway))
+            };
+            carried_on + operands.iter().filter_map(carried_to).sum::<u32>()
+        };
+        let soonest = schedule.start[index];
+        let start = (soonest..=first - latency)
+            .min_by_key(|&start| register_bits(start))
+            .unwrap_or(soonest);
+        schedule.start[index] = start;
+        schedule.available[index] = Some(start + latency);
+        for operand in operands {
+            read(&mut schedule, &mut first_read, operand, start);
         }
     }
-    schedule.last_read = last_read;
     schedule
 }

@@ -53,7 +53,11 @@ impl CycleWords {
     pub const OPERATIONS: usize = Self::INPUTS + STEP_INPUTS.len();
 
     /// Takes the words of the machine's present cycle.
-    pub fn take<R: Word>(&mut self, machine: &TraverseMachine<'_, R>, inputs: &CycleInputs<R::Num>) {
+    pub fn take<R: Word>(
+        &mut self,
+        machine: &TraverseMachine<'_, R>,
+        inputs: &CycleInputs<R::Num>,
+    ) {
         let outputs = machine.outputs(inputs);
         let entry = machine.entry();
         let words = &mut self.0;

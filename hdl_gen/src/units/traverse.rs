@@ -74,10 +74,18 @@ impl LoopBuilder {
         let latency = self.latency;
         let float = Meaning::Float(format);
         let builder = &mut self.builder;
-        builder.describe("The traverse unit: rays go round the step's pipeline until they have hit.");
+        builder
+            .describe("The traverse unit: rays go round the step's pipeline until they have hit.");
         builder.describe(format!("format: {format}"));
-        builder.describe(format!("map: {0} x {0} texels", self.configuration.shape.size()));
-        builder.describe(format!("cycles of a step: {}, of a trip round: {}", latency, latency + 1));
+        builder.describe(format!(
+            "map: {0} x {0} texels",
+            self.configuration.shape.size()
+        ));
+        builder.describe(format!(
+            "cycles of a step: {}, of a trip round: {}",
+            latency,
+            latency + 1
+        ));
         builder.describe("golden: rtl_model::machine::TraverseMachine");
         builder.set_latency(latency + 1);
         let id_bits = u32::try_from(builder.localparam(
@@ -163,7 +171,11 @@ impl LoopBuilder {
         let set_up = builder.instance("setup", &setup.module, &ray_ports);
         let set_up_output = |name: &str| {
             let port = format!("{name}_o");
-            let place = setup.module.outputs.iter().position(|(output, _)| *output == port);
+            let place = setup
+                .module
+                .outputs
+                .iter()
+                .position(|(output, _)| *output == port);
             place.map(|place| set_up[place])
         };
 
@@ -226,11 +238,36 @@ impl LoopBuilder {
         let latency = self.latency;
         let mut add = |name: String, width: u32, meaning, word, delay| {
             let scope = top.clone();
-            self.probes.push(Probe { scope, name, width, meaning, word, delay });
+            self.probes.push(Probe {
+                scope,
+                name,
+                width,
+                meaning,
+                word,
+                delay,
+            });
         };
-        add("ray_ready_o".into(), 1, Meaning::Bits, CycleWords::RAY_READY, 0);
-        add("hit_valid_o".into(), 1, Meaning::Bits, CycleWords::HIT_VALID, 0);
-        add("hit_id_o".into(), ID_BITS, Meaning::Bits, CycleWords::ID, latency);
+        add(
+            "ray_ready_o".into(),
+            1,
+            Meaning::Bits,
+            CycleWords::RAY_READY,
+            0,
+        );
+        add(
+            "hit_valid_o".into(),
+            1,
+            Meaning::Bits,
+            CycleWords::HIT_VALID,
+            0,
+        );
+        add(
+            "hit_id_o".into(),
+            ID_BITS,
+            Meaning::Bits,
+            CycleWords::ID,
+            latency,
+        );
         let module = &step.module;
         let design = self.builder.module();
         for (port, output) in [
@@ -250,12 +287,34 @@ impl LoopBuilder {
                 Some(Meaning::Float(_)) => float,
                 _ => Meaning::Bits,
             };
-            let delay = if output == "node_address_o" { 0 } else { latency };
-            add(port.into(), width, meaning, CycleWords::OPERATIONS + word, delay);
+            let delay = if output == "node_address_o" {
+                0
+            } else {
+                latency
+            };
+            add(
+                port.into(),
+                width,
+                meaning,
+                CycleWords::OPERATIONS + word,
+                delay,
+            );
         }
         for stage in 0..=latency {
-            add(format!("valid_s{stage}"), 1, Meaning::Bits, CycleWords::VALID, stage);
-            add(format!("id_s{stage}"), ID_BITS, Meaning::Bits, CycleWords::ID, stage);
+            add(
+                format!("valid_s{stage}"),
+                1,
+                Meaning::Bits,
+                CycleWords::VALID,
+                stage,
+            );
+            add(
+                format!("id_s{stage}"),
+                ID_BITS,
+                Meaning::Bits,
+                CycleWords::ID,
+                stage,
+            );
         }
         for (place, &(name, kind)) in STEP_INPUTS.iter().enumerate() {
             let (width, meaning) = match kind {
@@ -263,7 +322,13 @@ impl LoopBuilder {
                 RegisterKind::Integer(bits) => (bits, Meaning::Signed),
                 RegisterKind::Bit => (1, Meaning::Bits),
             };
-            add(format!("{name}_s0"), width, meaning, CycleWords::INPUTS + place, 0);
+            add(
+                format!("{name}_s0"),
+                width,
+                meaning,
+                CycleWords::INPUTS + place,
+                0,
+            );
         }
         for register in &step.registers {
             let word = match register.word {

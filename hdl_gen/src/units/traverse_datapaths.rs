@@ -73,8 +73,16 @@ pub fn build_step(configuration: &UnitConfiguration) -> BuiltDatapath {
     let [mirror_u, mirror_v, corner_owed, corner_paid, hit, guard] = bits[..] else {
         unreachable!("six bits");
     };
-    let ray =
-        RayRegisters { u, v, du, dv, exact_below_u, exact_below_v, mirror_u, mirror_v };
+    let ray = RayRegisters {
+        u,
+        v,
+        du,
+        dv,
+        exact_below_u,
+        exact_below_v,
+        mirror_u,
+        mirror_v,
+    };
     let walk = WalkRegisters {
         level,
         i,

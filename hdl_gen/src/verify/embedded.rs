@@ -69,7 +69,12 @@ pub fn run_embedded(
     let idle = CycleInputs {
         ray_valid: false,
         ray_id: 0,
-        ray: Ray { u: 0, v: 0, du: 0, dv: 0 },
+        ray: Ray {
+            u: 0,
+            v: 0,
+            du: 0,
+            dv: 0,
+        },
         hit_ready: false,
     };
     // The memory is synchronous: the address of a cycle gives the height of the next.
@@ -87,8 +92,10 @@ pub fn run_embedded(
     simulator.set("rst_ni", 1)?;
 
     let mut history = History::new(unit.latency);
-    let mut comparison =
-        Comparison { signals_compared: unit.probes.len() as u64, ..Comparison::default() };
+    let mut comparison = Comparison {
+        signals_compared: unit.probes.len() as u64,
+        ..Comparison::default()
+    };
     let mut divergent_cycles = 0;
     let mut expected = vec![0; unit.probes.len()];
     let mut found = vec![0; unit.probes.len()];

@@ -49,7 +49,12 @@ impl GoldenRun<'_> {
             let inputs = CycleInputs {
                 ray_valid: ray.is_some(),
                 ray_id: if ray.is_some() { offered as u32 } else { 0 },
-                ray: ray.copied().unwrap_or(Ray { u: 0, v: 0, du: 0, dv: 0 }),
+                ray: ray.copied().unwrap_or(Ray {
+                    u: 0,
+                    v: 0,
+                    du: 0,
+                    dv: 0,
+                }),
                 hit_ready: stalls.next_ready(),
             };
             let outputs = machine.outputs(&inputs);
@@ -76,7 +81,10 @@ pub struct History {
 impl History {
     /// A history of `latency + 1` cycles.
     pub fn new(latency: u32) -> History {
-        History { cycles: vec![Vec::new(); latency as usize + 1], newest: 0 }
+        History {
+            cycles: vec![Vec::new(); latency as usize + 1],
+            newest: 0,
+        }
     }
 
     /// Appends a cycle. The first one also stands for all before it: the idle unit after reset.

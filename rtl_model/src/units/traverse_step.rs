@@ -252,7 +252,9 @@ pub fn traverse_step<A: Arith>(
     let owed = walk.corner_owed;
     let paid = walk.corner_paid;
     let not_owed = a.not(owed);
+    a.name_bit("not_owed", not_owed);
     let not_paid = a.not(paid);
+    a.name_bit("not_paid", not_paid);
     let far_u = a.or(far_u, paid);
     let far_u = a.and(far_u, not_owed);
     a.name_bit("child_is_far_u", far_u);
@@ -273,9 +275,12 @@ pub fn traverse_step<A: Arith>(
     let one = a.int_constant(1);
     let zero = a.int_constant(0);
     let minus_one = a.int_constant(-1);
+    a.name_bit("i_forward", i_forward);
     let i_or_none = a.int_select(i_forward, one, zero);
     let i_change = a.int_select(owed, minus_one, i_or_none);
+    a.name_int("i_change", i_change);
     let j_change = a.int_select(i_forward, zero, one);
+    a.name_int("j_change", j_change);
     let neighbour_i = a.int_add(walk.i, i_change);
     a.name_int("neighbour_i", neighbour_i);
     let neighbour_j = a.int_add(walk.j, j_change);
@@ -285,7 +290,9 @@ pub fn traverse_step<A: Arith>(
     let at_level_0 = a.int_equal(walk.level, zero);
     a.name_bit("at_level_0", at_level_0);
     let running = a.not(ended);
+    a.name_bit("running", running);
     let goes_down = a.and(down, running);
+    a.name_bit("goes_down", goes_down);
     let not_down = a.not(down);
     let crosses = a.and(not_down, running);
     a.name_bit("crosses", crosses);
@@ -298,6 +305,7 @@ pub fn traverse_step<A: Arith>(
     a.name_bit("descends", descends);
 
     let level_below = a.int_sub(walk.level, one);
+    a.name_int("level_below", level_below);
     let level = a.int_select(descends, level_below, walk.level);
     // The level goes from root_level down to 0.
     let level = a.int_wrap(level, LEVEL_BITS);
@@ -313,7 +321,9 @@ pub fn traverse_step<A: Arith>(
     a.name_int("next_j", j);
 
     let straight = a.and(not_owed, not_paid);
+    a.name_bit("straight", straight);
     let doubt_begins = a.and(straight, corner_in_doubt);
+    a.name_bit("doubt_begins", doubt_begins);
     let owed_if_crossing = a.and(crosses, doubt_begins);
     let paid_if_crossing = a.and(crosses, owed);
     let stays = a.not(crosses);
@@ -330,11 +340,13 @@ pub fn traverse_step<A: Arith>(
     let steps = a.int_wrap(steps, COUNTER_BITS);
     a.name_int("next_steps", steps);
     let crossing = a.int_from_bit(crosses);
+    a.name_int("crossing", crossing);
     let crossings = a.int_add(walk.crossings, crossing);
     let crossings = a.int_wrap(crossings, COUNTER_BITS);
     a.name_int("next_crossings", crossings);
     let step_bound = a.int_constant(i64::from(shape.step_bound()));
     let at_bound = a.int_equal(steps, step_bound);
+    a.name_bit("at_bound", at_bound);
     let no_hit = a.not(hit);
     let bound_reached = a.and(at_bound, no_hit);
     let guard = a.or(walk.guard, bound_reached);
@@ -373,6 +385,11 @@ pub fn traverse_step<A: Arith>(
 }
 
 struct AxisNames {
+    next_index: &'static str,
+    near_bound: &'static str,
+    far_bound: &'static str,
+    half_exponent: &'static str,
+    odd_index: &'static str,
     border: &'static str,
     border_distance: &'static str,
     distance_is_exact: &'static str,
@@ -384,6 +401,11 @@ struct AxisNames {
 }
 
 static AXIS_U: AxisNames = AxisNames {
+    next_index: "next_border_i",
+    near_bound: "near_bound_u",
+    far_bound: "far_bound_u",
+    half_exponent: "half_exponent_u",
+    odd_index: "odd_i",
     border: "border_u",
     border_distance: "border_distance_u",
     distance_is_exact: "distance_is_exact_u",
@@ -394,6 +416,11 @@ static AXIS_U: AxisNames = AxisNames {
     past_midline: "past_midline_u",
 };
 static AXIS_V: AxisNames = AxisNames {
+    next_index: "next_border_j",
+    near_bound: "near_bound_v",
+    far_bound: "far_bound_v",
+    half_exponent: "half_exponent_v",
+    odd_index: "odd_j",
     border: "border_v",
     border_distance: "border_distance_v",
     distance_is_exact: "distance_is_exact_v",
@@ -423,6 +450,7 @@ fn exit<A: Arith>(a: &mut A, axis: &Axis<A>, size_exponent: A::Int, index: A::In
     let names = axis.names;
     let one = a.int_constant(1);
     let next = a.int_add(index, one);
+    a.name_int(names.next_index, next);
     // Exact: an index has no more bits than a significand.
     let border = a.number_from_integer(TowardZero, next, size_exponent);
     a.name_num(names.border, border);
@@ -435,7 +463,9 @@ fn exit<A: Arith>(a: &mut A, axis: &Axis<A>, size_exponent: A::Int, index: A::In
     let is_exact = a.less_than(distance, axis.exact_below);
     a.name_bit(names.distance_is_exact, is_exact);
     let near_bound = a.ulps_up(depth, EXACT_EXIT_ULPS);
+    a.name_num(names.near_bound, near_bound);
     let far_bound = a.ulps_up(depth, ROUNDED_EXIT_ULPS);
+    a.name_num(names.far_bound, far_bound);
     let bound = a.select(is_exact, near_bound, far_bound);
     a.name_num(names.exit_bound, bound);
     Exit { depth, bound }
@@ -451,8 +481,10 @@ fn far_child<A: Arith>(
     let names = axis.names;
     let one = a.int_constant(1);
     let half_exponent = a.int_sub(size_exponent, one);
+    a.name_int(names.half_exponent, half_exponent);
     let twice = a.int_add(index, index);
     let odd = a.int_or(twice, one);
+    a.name_int(names.odd_index, odd);
     let midline = a.number_from_integer(TowardZero, odd, half_exponent);
     a.name_num(names.midline, midline);
     let distance = a.sub(Up, midline, axis.coordinate);
