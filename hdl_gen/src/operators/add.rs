@@ -69,6 +69,7 @@ pub(super) fn add(
     let larger_fraction = builder.mux(b_is_larger, b.fraction, a.fraction);
     builder.name(larger_fraction, "larger_fraction");
     let smaller_fraction = builder.mux(b_is_larger, a.fraction, b.fraction);
+    builder.name(smaller_fraction, "smaller_fraction");
     // Complemented here and not at the adder: this selector has an input to spare, and ones are as
     // good as zeros to shift in.
     let complement = builder.sign_extend(effective_subtraction, fraction_bits);
@@ -83,7 +84,9 @@ pub(super) fn add(
     builder.section("align the smaller to the larger");
     // Both differences beside the comparison are faster than one behind it.
     let a_minus_b = builder.subtract(a.exponent, b.exponent);
+    builder.name(a_minus_b, "exponent_a_minus_b");
     let b_minus_a = builder.subtract(b.exponent, a.exponent);
+    builder.name(b_minus_a, "exponent_b_minus_a");
     let exponent_difference = builder.mux(b_is_larger, b_minus_a, a_minus_b);
     builder.name(exponent_difference, "exponent_difference");
     let hidden = builder.not(effective_subtraction); // a one, complemented
@@ -104,6 +107,8 @@ pub(super) fn add(
         is_gone = builder.or(is_gone, out_of_reach);
         is_inexact = builder.or(is_inexact, out_of_reach);
     }
+    builder.name(is_gone, "addend_is_gone");
+    builder.name(is_inexact, "addend_is_inexact");
     let nothing = builder.sign_extend(effective_subtraction, aligned_bits);
     let aligned = builder.mux(is_gone, nothing, aligned.word);
     builder.name(aligned, "addend_aligned");
@@ -120,6 +125,7 @@ pub(super) fn add(
     let larger_significand =
         builder.concat(&[zero, hidden, larger_fraction, below, effective_subtraction]);
     let sticky_place = builder.xor(sticky_bit, effective_subtraction);
+    builder.name(sticky_place, "sticky_place");
     let addend_significand = builder.concat(&[effective_subtraction, aligned, sticky_place]);
     let significand_sum = builder.add(larger_significand, addend_significand);
     builder.name(significand_sum, "significand_sum");
@@ -153,6 +159,7 @@ pub(super) fn add(
 
     builder.section("special cases");
     let sum_is_zero = builder.not(zeros.any);
+    builder.name(sum_is_zero, "sum_is_zero");
     let is_zero = builder.or(both_are_zero, sum_is_zero);
     builder.name(is_zero, "is_zero");
     let cancelled = builder.and(is_zero, effective_subtraction);
@@ -171,9 +178,13 @@ pub(super) fn add(
     let is_special = builder.or(a_is_special, b_is_special);
     builder.name(is_special, "is_special");
     let both_are_special = builder.and(a_is_special, b_is_special);
+    builder.name(both_are_special, "both_are_special");
     let infinities_differ = builder.and(both_are_special, effective_subtraction);
+    builder.name(infinities_differ, "infinities_differ");
     let fraction_nonzero = builder.any_bit(larger_fraction);
+    builder.name(fraction_nonzero, "larger_fraction_nonzero");
     let invalid = builder.or(fraction_nonzero, infinities_differ);
+    builder.name(invalid, "invalid");
     let is_nan = builder.and(is_special, invalid);
     builder.name(is_nan, "is_nan");
 

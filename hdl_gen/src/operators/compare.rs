@@ -66,7 +66,8 @@ fn ordered(builder: &mut Builder, operands: &Operands, order: Order) -> Wire {
     let magnitude_below = builder.less_than(a_doubled, b_doubled);
     builder.name(magnitude_below, "magnitude_below");
     let of_equal_signs = builder.xor(magnitude_below, negative);
-    builder.mux(operands.signs_differ, negative, of_equal_signs)
+    let ordered = builder.mux(operands.signs_differ, negative, of_equal_signs);
+    builder.name(ordered, "ordered_by_sign")
 }
 
 /// `a < b` or `a <= b`, false where either is NaN: one comparator.
@@ -92,9 +93,11 @@ pub(super) fn compare(builder: &mut Builder, format: FloatFormat) {
     builder.section("compare");
     let is_ordered = builder.not(operands.unordered);
     let same_magnitude = builder.equal(operands.a_magnitude, operands.b_magnitude);
+    builder.name(same_magnitude, "same_magnitude");
     let same_sign = builder.not(operands.signs_differ);
     let same_bits = builder.and(same_magnitude, same_sign);
     let equal_numbers = builder.or(same_bits, operands.both_are_zero);
+    builder.name(equal_numbers, "equal_numbers");
     let equal = builder.and(is_ordered, equal_numbers);
     builder.name(equal, "equal");
     let below = ordered(builder, &operands, Order::LessThan);

@@ -44,8 +44,10 @@ pub(super) fn divide(builder: &mut Builder, format: FloatFormat, rounding: Round
     let is_infinity = builder.or(a_is.is_infinity, b_is.is_zero);
     builder.name(is_infinity, "is_infinity");
     let any_nan = builder.or(a_is.is_nan, b_is.is_nan);
+    builder.name(any_nan, "any_is_nan");
     // Zero by zero and infinity by infinity call for a zero and for an infinity at once.
     let undefined = builder.and(is_zero, is_infinity);
+    builder.name(undefined, "undefined");
     let is_nan = builder.or(any_nan, undefined);
     builder.name(is_nan, "is_nan");
 
@@ -145,6 +147,7 @@ fn divide_significands(
             let doubled = builder.concat(&[kept, subtracts]);
             let complement = builder.sign_extend(subtracts, remainder_bits);
             let addend = builder.xor(divisor, complement);
+            builder.name(addend, format!("addend_{row}"));
             remainder = builder.add(doubled, addend);
         }
         builder.name(remainder, format!("remainder_{row}"));

@@ -28,8 +28,10 @@ pub(super) fn ulps_up(builder: &mut Builder, format: FloatFormat, ulps: u32) -> 
 
     builder.section("add");
     let a_is_normal = builder.any_bit(a_exponent);
+    builder.name(a_is_normal, "a_is_normal");
     let kept = builder.sign_extend(a_is_normal, magnitude_bits);
     let flushed = builder.and(a_magnitude, kept);
+    builder.name(flushed, "flushed_magnitude");
     let flushed = builder.zero_extend(flushed, sum_bits);
     let step = builder.constant(ulps.into(), sum_bits);
     let sum = builder.add(flushed, step);
@@ -42,9 +44,11 @@ pub(super) fn ulps_up(builder: &mut Builder, format: FloatFormat, ulps: u32) -> 
     // A sum with an empty exponent is no number of a format without subnormals.
     let above_fraction = builder.slice(sum, sum_bits - 1, format.fraction_bits);
     let is_normal = builder.any_bit(above_fraction);
+    builder.name(is_normal, "sum_is_normal");
     let stepped = builder.slice(sum, magnitude_bits - 1, 0);
     let zero = builder.constant(0, magnitude_bits);
     let result = builder.mux(is_normal, stepped, zero);
+    builder.name(result, "flushed_sum");
     let result = builder.mux(in_range, result, infinity);
     let quiet_nan = builder.constant(format.quiet_nan(), magnitude_bits);
     let result = builder.mux(is_nan, quiet_nan, result);
@@ -129,6 +133,7 @@ pub(super) fn exact_below(builder: &mut Builder, format: FloatFormat) -> Wire {
     let a_exponent = builder.slice(a_i, format.width() - 2, fraction_bits);
     builder.name(a_exponent, "a_exponent");
     let exponent_nonzero = builder.any_bit(a_exponent);
+    builder.name(exponent_nonzero, "a_exponent_nonzero");
 
     builder.section("count the zeros at the fraction's end");
     // Mirrored, so that the last bit leads; the hidden bit ends the count, and the zero in front

@@ -41,6 +41,7 @@ pub(super) fn from_integer(
     builder.name(sign, "value_sign");
     let signs = builder.sign_extend(sign, value_bits);
     let complemented = builder.xor(value, signs);
+    builder.name(complemented, "value_complemented");
     let carry = builder.zero_extend(sign, value_bits);
     let value_magnitude = builder.add(complemented, carry);
     builder.name(value_magnitude, "value_magnitude");
@@ -158,6 +159,8 @@ pub(super) fn to_integer(
         is_gone = builder.or(is_gone, out_of_reach);
         is_inexact = builder.or(is_inexact, out_of_reach);
     }
+    builder.name(is_gone, "is_gone");
+    builder.name(is_inexact, "is_inexact");
     let nothing = builder.constant(0, word_bits);
     let aligned = builder.mux(is_gone, nothing, shifted.word);
     builder.name(aligned, "aligned");
@@ -173,6 +176,7 @@ pub(super) fn to_integer(
     if below_bits > 1 {
         let below_guard = builder.slice(aligned, below_bits - 2, 0);
         let below_guard = builder.any_bit(below_guard);
+        builder.name(below_guard, "below_guard");
         sticky = builder.or(sticky, below_guard);
     }
     builder.name(sticky, "sticky_bit");
@@ -181,6 +185,7 @@ pub(super) fn to_integer(
         Rounding::NearestEven => {
             let last_bit = builder.bit(integer, 0);
             let odd_or_above = builder.or(sticky, last_bit);
+            builder.name(odd_or_above, "odd_or_above");
             builder.and(guard, odd_or_above)
         }
         Rounding::Up | Rounding::Down => {
@@ -196,7 +201,9 @@ pub(super) fn to_integer(
     let wide = builder.zero_extend(integer, bits);
     let signs = builder.sign_extend(a.sign, bits);
     let complemented = builder.xor(wide, signs);
+    builder.name(complemented, "integer_complemented");
     let carry = builder.xor(a.sign, round_up);
+    builder.name(carry, "increment");
     let carry = builder.zero_extend(carry, bits);
     let signed_integer = builder.add(complemented, carry);
     builder.name(signed_integer, "signed_integer");
@@ -206,13 +213,17 @@ pub(super) fn to_integer(
     let negative = builder.bit(signed_integer, bits - 1);
     let positive = builder.not(a.sign);
     let wrapped = builder.and(negative, positive);
+    builder.name(wrapped, "wrapped");
     let saturates = builder.or(too_large, a_is.is_infinity);
+    builder.name(saturates, "beyond_range");
     let saturates = builder.or(saturates, wrapped);
     builder.name(saturates, "saturates");
     let lowest = builder.constant(1 << (bits - 1), bits);
     let highest = builder.constant((1 << (bits - 1)) - 1, bits);
     let limit = builder.mux(a.sign, lowest, highest);
+    builder.name(limit, "limit");
     let number = builder.mux(saturates, limit, signed_integer);
+    builder.name(number, "saturated");
     let zero = builder.constant(0, bits);
     let result = builder.mux(a_is.is_nan, zero, number);
     builder.mean(result, crate::netlist::Meaning::Signed);
@@ -242,10 +253,12 @@ pub(super) fn floor(builder: &mut Builder, format: FloatFormat) -> Wire {
     builder.name(below_one, "below_one");
     // All ones moved right once for every place of the exponent above that of one.
     let places = builder.subtract(a.exponent, one);
+    builder.name(places, "places_above_one");
     let ones = builder.constant(format.fraction_mask(), fraction_bits);
     let below_point = builder.shift_right(ones, places);
     builder.name(below_point, "below_point");
     let fractional = builder.and(a.fraction, below_point);
+    builder.name(fractional, "fractional_bits");
     let has_fraction = builder.any_bit(fractional);
     builder.name(has_fraction, "has_fraction");
 
@@ -257,6 +270,7 @@ pub(super) fn floor(builder: &mut Builder, format: FloatFormat) -> Wire {
     let no_exponent = builder.constant(0, exponent_bits);
     let wide_below_point = builder.concat(&[no_exponent, below_point]);
     let filled = builder.or(a_magnitude, wide_below_point);
+    builder.name(filled, "filled_magnitude");
     let increment = builder.zero_extend(moves_down, magnitude_bits);
     let carried = builder.add(filled, increment);
     builder.name(carried, "carried");
@@ -268,10 +282,13 @@ pub(super) fn floor(builder: &mut Builder, format: FloatFormat) -> Wire {
     builder.section("special cases");
     // Between -1 and 0 the result is -1; between 0 and 1 it is a zero of the operand's sign.
     let is_nonzero = builder.not(a_is_zero);
+    builder.name(is_nonzero, "a_is_nonzero");
     let is_minus_one = builder.and(a.sign, is_nonzero);
+    builder.name(is_minus_one, "is_minus_one");
     let one = builder.constant(format.one(), magnitude_bits);
     let zero = builder.constant(0, magnitude_bits);
     let small = builder.mux(is_minus_one, one, zero);
+    builder.name(small, "result_below_one");
     let result = builder.mux(below_one, small, integer);
     let result = builder.mux(a_is_special, a_magnitude, result);
     let quiet_nan = builder.constant(format.quiet_nan(), magnitude_bits);

@@ -48,7 +48,9 @@ pub(super) fn multiply(builder: &mut Builder, format: FloatFormat, rounding: Rou
     let is_infinity = builder.or(a_is.is_infinity, b_is.is_infinity);
     builder.name(is_infinity, "is_infinity");
     let any_nan = builder.or(a_is.is_nan, b_is.is_nan);
+    builder.name(any_nan, "any_is_nan");
     let zero_by_infinity = builder.and(is_zero, is_infinity);
+    builder.name(zero_by_infinity, "zero_by_infinity");
     let is_nan = builder.or(any_nan, zero_by_infinity);
     builder.name(is_nan, "is_nan");
 
@@ -79,6 +81,7 @@ pub(super) fn multiply(builder: &mut Builder, format: FloatFormat, rounding: Rou
         // The guard bit of a product below two is below the guard bit of one that is not.
         let below_either = builder.slice(product, fraction_bits - 2, 0);
         let below_either = builder.any_bit(below_either);
+        builder.name(below_either, "product_below_guard");
         let below_at_two = builder.and(reaches_two, guard_at_one);
         let sticky = builder.or(below_either, below_at_two);
         builder.name(sticky, "sticky_bit");

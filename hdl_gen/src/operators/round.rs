@@ -112,6 +112,7 @@ fn round_up(
             if let Some(sticky) = tail.sticky {
                 let last_bit = builder.bit(exact.fraction, 0);
                 let odd_or_above = builder.or(sticky, last_bit);
+                builder.name(odd_or_above, "odd_or_above");
                 builder.and(tail.guard, odd_or_above)
             } else {
                 tail.guard
@@ -165,6 +166,7 @@ fn pack(
         builder.name(overflow, "overflow");
         let pattern = overflow_pattern(builder, format, rounding, exact.sign);
         magnitude = builder.mux(overflow, pattern, magnitude);
+        builder.name(magnitude, "bounded_magnitude");
     }
 
     let mut zero_causes = Vec::from_iter(exact.is_zero);
@@ -179,12 +181,15 @@ fn pack(
         zero_causes.push(builder.name(underflow, "underflow"));
     }
     if let Some(becomes_zero) = zero_causes.into_iter().reduce(|a, b| builder.or(a, b)) {
+        builder.name(becomes_zero, "becomes_zero");
         let zero = builder.constant(0, magnitude_bits);
         magnitude = builder.mux(becomes_zero, zero, magnitude);
+        builder.name(magnitude, "flushed_magnitude");
     }
     if let Some(is_infinity) = exact.is_infinity {
         let infinity = builder.constant(format.infinity(), magnitude_bits);
         magnitude = builder.mux(is_infinity, infinity, magnitude);
+        builder.name(magnitude, "number_magnitude");
     }
     let mut sign = exact.sign;
     if let Some(is_nan) = exact.is_nan {

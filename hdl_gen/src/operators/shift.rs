@@ -46,6 +46,7 @@ fn count_run(
     let (upper_count, upper_any) = count_run(builder, word, name, high, middle, false);
     let (lower_count, lower_any) = count_run(builder, word, name, middle - 1, low, false);
     let upper_is_zero = builder.not(upper_any);
+    builder.name(upper_is_zero, format!("{name}_none_{high}_{middle}"));
     let count = match upper_count {
         None => upper_is_zero,
         Some(upper_count) => {
@@ -55,6 +56,7 @@ fn count_run(
                 None => builder.constant(0, bits),
             };
             let rest = builder.mux(upper_any, upper_count, lower_count);
+            builder.name(rest, format!("{name}_rest_{high}_{low}"));
             builder.concat(&[upper_is_zero, rest])
         }
     };
@@ -106,7 +108,9 @@ pub(super) fn shift_right(
             let leaving = builder.slice(moved, step.min(width) - 1, lost_from);
             let fills = builder.sign_extend(fill, step.min(width) - lost_from);
             let differs = builder.xor(leaving, fills);
+            builder.name(differs, format!("{name}_differing_by_{step}"));
             let any = builder.any_bit(differs);
+            builder.name(any, format!("{name}_leaving_by_{step}"));
             let lost = builder.and(select, any);
             losses.push(builder.name(lost, format!("{name}_lost_by_{step}")));
         }
@@ -124,7 +128,8 @@ pub(super) fn shift_right(
         builder.constant(0, 1)
     } else {
         let losses = builder.concat(&losses);
-        builder.any_bit(losses)
+        let lost = builder.any_bit(losses);
+        builder.name(lost, format!("{name}_lost"))
     };
     let out_of_reach = (rows < amount_bits).then(|| {
         let high = builder.slice(amount, amount_bits - 1, rows);

@@ -35,6 +35,7 @@ pub(super) fn fields(
 /// Is it a zero of either sign? Under the flush policy every operand with exponent field 0 is.
 pub(super) fn is_zero(builder: &mut Builder, operand: &Fields, name: &str) -> Wire {
     let exponent_nonzero = builder.any_bit(operand.exponent);
+    builder.name(exponent_nonzero, format!("{name}_exponent_nonzero"));
     let is_zero = builder.not(exponent_nonzero);
     builder.name(is_zero, format!("{name}_is_zero"))
 }
@@ -72,6 +73,7 @@ pub(super) fn classify(builder: &mut Builder, operand: &Fields, name: &str) -> C
 pub(super) fn is_nan(builder: &mut Builder, operand: &Fields, name: &str) -> Wire {
     let is_special = is_special(builder, operand, name);
     let fraction_nonzero = builder.any_bit(operand.fraction);
+    builder.name(fraction_nonzero, format!("{name}_fraction_nonzero"));
     let is_nan = builder.and(is_special, fraction_nonzero);
     builder.name(is_nan, format!("{name}_is_nan"))
 }

@@ -287,8 +287,16 @@ impl<'a> Rebuild<'a> {
     /// What a held value is called, without the stage.
     fn piece_name(&self, node: usize, low: u32, high: u32) -> String {
         let own_name = |index: usize| {
-            let name = self.module.nodes[index].name.clone();
-            name.unwrap_or_else(|| format!("value_{index}"))
+            let node = &self.module.nodes[index];
+            let complement_of = match node.operation {
+                Operation::Not(a) => self.module.node(a).name.as_ref(),
+                _ => None,
+            };
+            match (&node.name, complement_of) {
+                (Some(name), _) => name.clone(),
+                (None, Some(name)) => format!("not_{name}"),
+                (None, None) => format!("value_{index}"),
+            }
         };
         match self.whole_or_slice(node, low, high) {
             Some(index) => own_name(index),

@@ -227,7 +227,7 @@ fn hard_operand(random: &mut Random, format: FloatFormat) -> u64 {
                 format.quiet_nan(),
             ];
             let index = random.below(specials.len() as u64) as usize;
-            specials[index] | random.below(2) * format.sign_bit()
+            specials[index] | (random.below(2) * format.sign_bit())
         }
         1 => {
             any & !fraction_mask
