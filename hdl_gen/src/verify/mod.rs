@@ -3,7 +3,9 @@
 mod divergence;
 mod embedded;
 mod golden;
+mod record;
 
 pub use divergence::{Comparison, Divergence};
 pub use embedded::run_embedded;
 pub use golden::{GoldenRun, History};
+pub use record::{HarnessPlan, MemoryPorts};

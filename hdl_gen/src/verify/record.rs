@@ -65,10 +65,20 @@ impl HarnessPlan {
             .iter()
             .filter_map(|name| design.input(name).map(|wire| design.width(wire)))
             .max();
-        let widest = probes.iter().map(|probe| probe.width).max().max(widest_port).unwrap_or(1);
+        let widest = probes
+            .iter()
+            .map(|probe| probe.width)
+            .max()
+            .max(widest_port)
+            .unwrap_or(1);
         HarnessPlan {
             top: design.name.clone(),
-            driven: driven.iter().map(|&name| DrivenPort { name: name.to_owned() }).collect(),
+            driven: driven
+                .iter()
+                .map(|&name| DrivenPort {
+                    name: name.to_owned(),
+                })
+                .collect(),
             probes,
             places,
             word_bits: if widest > 32 { 64 } else { 32 },
@@ -100,7 +110,12 @@ impl HarnessPlan {
 
     /// Cycles whose golden words are kept: a power of two above the longest delay.
     fn ring_cycles(&self) -> usize {
-        let longest = self.probes.iter().map(|probe| probe.delay).max().unwrap_or(0);
+        let longest = self
+            .probes
+            .iter()
+            .map(|probe| probe.delay)
+            .max()
+            .unwrap_or(0);
         (longest as usize + 1).next_power_of_two()
     }
 
@@ -109,7 +124,11 @@ impl HarnessPlan {
         if probe.scope.len() == 1 && (probe.name.ends_with("_o") || probe.name.ends_with("_i")) {
             return format!("top.{}", probe.name);
         }
-        format!("top.rootp->{}__DOT__{}", probe.scope.join("__DOT__"), probe.name)
+        format!(
+            "top.rootp->{}__DOT__{}",
+            probe.scope.join("__DOT__"),
+            probe.name
+        )
     }
 
     /// The Verilator configuration that makes the compared signals readable.
@@ -143,8 +162,10 @@ impl HarnessPlan {
              using Word = uint{}_t;\n",
             self.word_bits
         );
-        let (words, has_memory) =
-            self.memory.as_ref().map_or((0, false), |memory| (memory.words, true));
+        let (words, has_memory) = self
+            .memory
+            .as_ref()
+            .map_or((0, false), |memory| (memory.words, true));
         for (kind, name, value) in [
             ("size_t", "kRecordWords", self.record_words()),
             ("size_t", "kRingCycles", self.ring_cycles()),
@@ -205,7 +226,10 @@ impl HarnessPlan {
         delays.sort_unstable();
         delays.dedup();
         for delay in delays {
-            let _ = writeln!(text, "  {{\n    const Word* const words = golden.before({delay});");
+            let _ = writeln!(
+                text,
+                "  {{\n    const Word* const words = golden.before({delay});"
+            );
             for probe in self.probes.iter().filter(|probe| probe.delay == delay) {
                 let _ = writeln!(
                     text,

@@ -235,9 +235,13 @@ pub fn traverse_step<A: Arith>(
 
     // The depth reached: one expression serves all three cases. A node not beyond t leaves t as
     // it is, since d <= t; a node that is crossed has d beyond both exits.
-    let reached = a.min(depth, exit_depth);
+    let exit_is_nearer = a.less_than(exit_depth, depth);
+    a.name_bit("exit_is_nearer", exit_is_nearer);
+    let reached = a.select(exit_is_nearer, exit_depth, depth);
     a.name_num("reached", reached);
-    let advanced = a.max(walk.t, reached);
+    let gets_further = a.less_than(walk.t, reached);
+    a.name_bit("gets_further", gets_further);
+    let advanced = a.select(gets_further, reached, walk.t);
     a.name_num("advanced_t", advanced);
     let t = a.select(ended, walk.t, advanced);
     a.name_num("next_t", t);
@@ -256,19 +260,22 @@ pub fn traverse_step<A: Arith>(
     let not_paid = a.not(paid);
     a.name_bit("not_paid", not_paid);
     let far_u = a.or(far_u, paid);
+    a.name_bit("far_u_or_paid", far_u);
     let far_u = a.and(far_u, not_owed);
     a.name_bit("child_is_far_u", far_u);
     let far_v = a.or(far_v, owed);
+    a.name_bit("far_v_or_owed", far_v);
     let far_v = a.and(far_v, not_paid);
     a.name_bit("child_is_far_v", far_v);
-    let child_i = child_index(a, walk.i, far_u);
+    let child_i = child_index(a, "first_child_i", walk.i, far_u);
     a.name_int("child_i", child_i);
-    let child_j = child_index(a, walk.j, far_v);
+    let child_j = child_index(a, "first_child_j", walk.j, far_v);
     a.name_int("child_j", child_j);
 
     // Which neighbour a crossing goes to: (+1, 0) or (0, +1) as the exits say, (+1, 0) at a corner
     // in doubt, then (-1, +1) to the node owed a visit, then (+1, 0) behind the corner.
     let u_is_crossed = a.or(u_first, corner_in_doubt);
+    a.name_bit("u_first_or_in_doubt", u_is_crossed);
     let u_is_crossed = a.or(u_is_crossed, paid);
     a.name_bit("u_is_crossed", u_is_crossed);
     let i_forward = a.and(u_is_crossed, not_owed);
@@ -294,6 +301,7 @@ pub fn traverse_step<A: Arith>(
     let goes_down = a.and(down, running);
     a.name_bit("goes_down", goes_down);
     let not_down = a.not(down);
+    a.name_bit("not_down", not_down);
     let crosses = a.and(not_down, running);
     a.name_bit("crosses", crosses);
     let hits = a.and(goes_down, at_level_0);
@@ -301,6 +309,7 @@ pub fn traverse_step<A: Arith>(
     let hit = a.or(walk.hit, hits);
     a.name_bit("next_hit", hit);
     let above_level_0 = a.not(at_level_0);
+    a.name_bit("above_level_0", above_level_0);
     let descends = a.and(goes_down, above_level_0);
     a.name_bit("descends", descends);
 
@@ -311,11 +320,13 @@ pub fn traverse_step<A: Arith>(
     let level = a.int_wrap(level, LEVEL_BITS);
     a.name_int("next_level", level);
     let i = a.int_select(crosses, neighbour_i, walk.i);
+    a.name_int("i_unless_down", i);
     let i = a.int_select(descends, child_i, i);
     // A ray within reach stays within the index's bits.
     let i = a.int_wrap(i, INDEX_BITS);
     a.name_int("next_i", i);
     let j = a.int_select(crosses, neighbour_j, walk.j);
+    a.name_int("j_unless_down", j);
     let j = a.int_select(descends, child_j, j);
     let j = a.int_wrap(j, INDEX_BITS);
     a.name_int("next_j", j);
@@ -325,10 +336,14 @@ pub fn traverse_step<A: Arith>(
     let doubt_begins = a.and(straight, corner_in_doubt);
     a.name_bit("doubt_begins", doubt_begins);
     let owed_if_crossing = a.and(crosses, doubt_begins);
+    a.name_bit("owed_if_crossing", owed_if_crossing);
     let paid_if_crossing = a.and(crosses, owed);
+    a.name_bit("paid_if_crossing", paid_if_crossing);
     let stays = a.not(crosses);
     let owed_if_staying = a.and(stays, owed);
+    a.name_bit("owed_if_staying", owed_if_staying);
     let paid_if_staying = a.and(stays, paid);
+    a.name_bit("paid_if_staying", paid_if_staying);
     let corner_owed = a.or(owed_if_crossing, owed_if_staying);
     a.name_bit("next_corner_owed", corner_owed);
     let corner_paid = a.or(paid_if_crossing, paid_if_staying);
@@ -348,15 +363,18 @@ pub fn traverse_step<A: Arith>(
     let at_bound = a.int_equal(steps, step_bound);
     a.name_bit("at_bound", at_bound);
     let no_hit = a.not(hit);
+    a.name_bit("no_hit", no_hit);
     let bound_reached = a.and(at_bound, no_hit);
     let guard = a.or(walk.guard, bound_reached);
     a.name_bit("next_guard", guard);
 
     // The answer, should the walk have ended.
     let position_u = a.add(NearestEven, ray.u, travelled_u);
+    a.name_num("mirrored_position_u", position_u);
     let position_u = a.negate_if(ray.mirror_u, position_u);
     a.name_num("position_u", position_u);
     let position_v = a.add(NearestEven, ray.v, travelled_v);
+    a.name_num("mirrored_position_v", position_v);
     let position_v = a.negate_if(ray.mirror_v, position_v);
     a.name_num("position_v", position_v);
     let texel_i = texel(a, shape, ray.mirror_u, i);
@@ -494,8 +512,14 @@ fn far_child<A: Arith>(
     past
 }
 
-fn child_index<A: Arith>(a: &mut A, index: A::Int, far: A::Bit) -> A::Int {
+fn child_index<A: Arith>(
+    a: &mut A,
+    first_child: &'static str,
+    index: A::Int,
+    far: A::Bit,
+) -> A::Int {
     let twice = a.int_add(index, index);
+    a.name_int(first_child, twice);
     let far = a.int_from_bit(far);
     a.int_or(twice, far)
 }
