@@ -91,7 +91,7 @@ fn icarus_sees_planted_faults() {
     for path in ["difference", "tag_i", "counter.count_o", "valid_o"] {
         let faulty = plant(&good[0], path, 0).unwrap();
         assert_ne!(answers(faulty.clone()), expected, "{path}");
-        let same_fault = embedded(&[faulty.clone()], &stimuli);
+        let same_fault = embedded(std::slice::from_ref(&faulty), &stimuli);
         assert_eq!(answers(faulty), same_fault, "{path}");
     }
 }
