@@ -1,5 +1,6 @@
 //! From the golden model's datapaths to Verilog, vectors, testbenches and simulators.
 
+pub mod datapath;
 pub mod digest;
 pub mod emit;
 pub mod fault;
@@ -9,4 +10,6 @@ pub mod netlist;
 pub mod operators;
 pub mod pipeline;
 pub mod simulate;
+pub mod units;
+pub mod verify;
 pub mod wave;

@@ -347,7 +347,8 @@ impl Builder {
         self.module.sections.push(title.into());
     }
 
-    fn push(&mut self, operation: Operation, width: u32) -> Wire {
+    /// A node of any operation, for passes that rebuild a module: the widths are the caller's care.
+    pub(crate) fn push(&mut self, operation: Operation, width: u32) -> Wire {
         assert!(
             (1..=64).contains(&width),
             "{}: a width of {width} bits",

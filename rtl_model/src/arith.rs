@@ -8,6 +8,7 @@
 //! golden model say what each pipeline register must hold.
 
 use crate::float::Rounding;
+use std::fmt::Debug;
 
 /// The operators of a datapath. The three associated types are the three kinds of signal.
 ///
@@ -16,11 +17,11 @@ use crate::float::Rounding;
 /// operation is. Readings without rounding (exact) or with one only (`f64`) ignore it.
 pub trait Arith {
     /// A number in the reading's format.
-    type Num: Copy;
+    type Num: Copy + Debug;
     /// A signed integer: a node index, a level, a count.
-    type Int: Copy;
+    type Int: Copy + Debug;
     /// One bit: the result of a comparison.
-    type Bit: Copy;
+    type Bit: Copy + Debug;
 
     /// The number zero.
     fn zero(&mut self) -> Self::Num;
@@ -36,6 +37,10 @@ pub trait Arith {
     /// infinity where there is none. Readings that do not round answer `a` itself: the operator
     /// turns a lower bound into an upper one, and there the two are the same.
     fn ulps_up(&mut self, a: Self::Num, ulps: u32) -> Self::Num;
+    /// The power of two below which every multiple of `a`'s last nonzero fraction bit is
+    /// representable; infinity for zero, and in readings that do not round. A difference of `a`
+    /// and a number of no finer grain is exact if its result is below this.
+    fn exact_below(&mut self, a: Self::Num) -> Self::Num;
     /// `-a` where `condition` holds, else `a`. Exact.
     fn negate_if(&mut self, condition: Self::Bit, a: Self::Num) -> Self::Num;
     /// `|a|`. Exact.
@@ -56,7 +61,7 @@ pub trait Arith {
         when_zero: Self::Num,
     ) -> Self::Num;
     /// `value * 2^exponent`.
-    fn from_integer(
+    fn number_from_integer(
         &mut self,
         rounding: Rounding,
         value: Self::Int,

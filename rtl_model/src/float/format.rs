@@ -73,6 +73,7 @@ impl FloatFormat {
     ///
     /// # Panics
     /// If a width is out of its range; in a constant that is a compile error.
+    #[inline]
     pub const fn new(exponent_bits: u32, fraction_bits: u32) -> FloatFormat {
         assert!(
             exponent_bits >= 2 && exponent_bits <= 11,
@@ -89,56 +90,67 @@ impl FloatFormat {
     }
 
     /// Bits of a value: sign, exponent and fraction.
+    #[inline]
     pub const fn width(self) -> u32 {
         1 + self.exponent_bits + self.fraction_bits
     }
 
     /// What is subtracted from the exponent field: `2^(E-1) - 1`.
+    #[inline]
     pub const fn exponent_bias(self) -> i32 {
         (1 << (self.exponent_bits - 1)) - 1
     }
 
     /// The exponent field of infinities and NaNs: all ones.
+    #[inline]
     pub const fn exponent_all_ones(self) -> u64 {
         (1 << self.exponent_bits) - 1
     }
 
     /// A mask of the fraction field.
+    #[inline]
     pub const fn fraction_mask(self) -> u64 {
         (1 << self.fraction_bits) - 1
     }
 
     /// A mask of all bits of a value.
+    #[inline]
     pub const fn value_mask(self) -> u64 {
         u64::MAX >> (64 - self.width())
     }
 
     /// The sign bit alone; also the pattern of minus zero.
+    #[inline]
     pub const fn sign_bit(self) -> u64 {
         1 << (self.width() - 1)
     }
 
     /// Plus infinity: exponent all ones, fraction zero.
+    #[inline]
     pub const fn infinity(self) -> u64 {
         self.exponent_all_ones() << self.fraction_bits
     }
 
     /// The one NaN every invalid operation results in: sign 0, exponent all ones, fraction 100...0.
+    #[inline]
     pub const fn quiet_nan(self) -> u64 {
         self.infinity() | (1 << (self.fraction_bits - 1))
     }
 
     /// The largest finite value.
+    #[inline]
     pub const fn max_finite(self) -> u64 {
         self.infinity() - 1
     }
 
     /// One: the exponent field at the bias, the fraction zero.
+    #[inline]
     pub const fn one(self) -> u64 {
         (self.exponent_bias() as u64) << self.fraction_bits
     }
 
     /// Smallest positive normal value.
+    #[inline]
     pub const fn min_normal(self) -> u64 {
         1 << self.fraction_bits
     }

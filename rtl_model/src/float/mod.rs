@@ -1,7 +1,36 @@
 //! Floating point in any width, by integer arithmetic on its bits.
 //!
-//! A value is the low `1 + E + F` bits of a `u64`: sign, exponent, fraction.
+//! A value is the low `1 + E + F` bits of a `u64`: sign, exponent, fraction. Bits above the width
+//! are not read, and are zero in every result. The operators are methods of [`FloatFormat`]; they
+//! are inlined, so that with a constant format (`FloatFormat::E7F16.add(...)`) every width folds
+//! into the code, and with one chosen at run time they work just as well:
+//!
+//! ```
+//! use rtl_model::float::{FloatFormat, Rounding};
+//!
+//! let format = FloatFormat::E7F16;
+//! let third = format.div(Rounding::NearestEven, format.one(), format.from_f64(Rounding::NearestEven, 3.0));
+//! assert_eq!(third, 0x3d5555);
+//! assert_eq!(format.to_f64(third), 0.333_332_061_767_578_1);
+//! ```
+//!
+//! All of them follow the policy `flush`: a subnormal operand reads as a zero of its sign, and a
+//! result that is below the smallest normal number after rounding becomes a zero of its sign.
+//! `docs/numerics.md` has every corner case in tables.
+//!
+//! Each inexact operator works in three steps: take the operands apart, find the exact result (or
+//! enough leading bits of it, and whether anything follows), hand that to the one rounder in
+//! `rounder.rs`. No host float takes part in a result.
 
+mod conversion;
+mod depth;
 mod format;
+mod grain;
+mod order;
+mod pattern;
+mod product;
+mod rounder;
+mod sum;
 
+pub use conversion::ToIntegerError;
 pub use format::{FloatFormat, Rounding};

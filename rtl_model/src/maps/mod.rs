@@ -1,1 +1,16 @@
-//! To come.
+//! Height maps: from files and from recipes, and the pyramid of maximum heights over them.
+
+mod error;
+mod height_map;
+mod load;
+mod noise;
+mod procedural;
+mod pyramid;
+mod source;
+
+pub use error::MapError;
+pub use height_map::{HeightMap, MAX_SIZE};
+pub use load::Channel;
+pub use procedural::{Pattern, Procedural};
+pub use pyramid::{Pyramid, node_address};
+pub use source::MapSource;

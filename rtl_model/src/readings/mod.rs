@@ -1,1 +1,35 @@
-//! To come.
+//! What a datapath means: its operators evaluated in a number format.
+//!
+//! | reading | a number is | gives |
+//! |---|---|---|
+//! | [`FloatReading`] | the bits of an `eXfY` float | the golden values, bit for bit |
+//! | [`F64Reading`] | an `f64` | the picture everyone compares with |
+//! | [`ExactReading`] | a rational of big integers | the truth, for hard cases |
+//!
+//! The netlist reading, in which a number is a wire, lives in the crate that emits Verilog.
+//! [`Traced`] wraps any of them and keeps the result of every operation, in order.
+
+mod exact;
+mod float;
+mod integer;
+mod native;
+mod traced;
+
+pub use exact::{ExactNum, ExactReading};
+pub use float::{E7F16, FloatReading, HasFormat};
+pub use native::F64Reading;
+pub use traced::{Traced, Word};
+
+use crate::arith::Concrete;
+
+/// A reading that numbers of the outside world enter and leave.
+pub trait NumberFormat: Concrete {
+    /// A ray's entry coordinate, 0 to 1: rounded toward zero, so that it stays below 1.
+    fn coordinate(&mut self, value: f64) -> Self::Num;
+    /// A component of a ray's direction: rounded to nearest.
+    fn direction(&mut self, value: f64) -> Self::Num;
+    /// The value as an `f64`, exactly where an `f64` can hold it, else the nearest.
+    fn to_f64(&self, value: Self::Num) -> f64;
+    /// Forgets the values made so far, where the reading keeps them: call between rays.
+    fn forget(&mut self) {}
+}

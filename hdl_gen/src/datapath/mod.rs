@@ -1,0 +1,12 @@
+//! The netlist reading of a datapath: recorded from its Rust function, scheduled into pipeline
+//! stages, built as a module.
+
+mod build;
+mod record;
+mod schedule;
+mod signal;
+
+pub use build::{BuiltDatapath, PipelineRegister, build};
+pub use record::{Recorder, Recording};
+pub use schedule::{OperatorLatencies, Schedule, schedule};
+pub use signal::{BitSignal, IntSignal, Kind, NumSignal, Recorded, RecordedOperation, SignalId};

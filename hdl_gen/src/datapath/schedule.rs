@@ -1,0 +1,146 @@
+//! In which pipeline stage each operation of a datapath stands.
+
+use super::record::Recording;
+use super::signal::{RecordedOperation, SignalId};
+use serde::{Deserialize, Serialize};
+
+/// Cycles of each pipelined operator. Everything else (selection, integer and bit logic, sign
+/// changes, the step up by units in the last place) is combinational within its stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct OperatorLatencies {
+    /// Float adder and subtractor.
+    pub adder: u32,
+    /// Float multiplier.
+    pub multiplier: u32,
+    /// Float divider.
+    pub divider: u32,
+    /// Float comparator.
+    pub comparator: u32,
+    /// Integer to float, height to depth.
+    pub conversion: u32,
+}
+
+impl OperatorLatencies {
+    /// The budget of the 2013 hardware paper (section 4.2): adder and divider two cycles,
+    /// multiplier and comparator one; conversions, of which it does not speak, one.
+    pub const PAPER: OperatorLatencies = OperatorLatencies {
+        adder: 2,
+        multiplier: 1,
+        divider: 2,
+        comparator: 1,
+        conversion: 1,
+    };
+
+    /// Cycles of an operation.
+    pub fn of(&self, operation: &RecordedOperation) -> u32 {
+        use RecordedOperation::*;
+        match operation {
+            Add(..) | Sub(..) => self.adder,
+            Mul(..) => self.multiplier,
+            Div(..) => self.divider,
+            LessThan(..) | LessEqual(..) => self.comparator,
+            FromInteger(..) | DepthFromHeight(..) => self.conversion,
+            _ => 0,
+        }
+    }
+}
+
+/// Where everything stands in time. Stage s is the logic behind the s-th rank of registers.
+#[derive(Clone, Debug)]
+pub struct Schedule {
+    /// The stage in which each operation reads its operands; for an input, in which it arrives.
+    pub start: Vec<u32>,
+    /// The stage in which each signal is there; constants are there in every stage: `None`.
+    pub available: Vec<Option<u32>>,
+    /// The last stage in which each signal is read, by an operation or an output; `None` for a
+    /// signal that no output depends on: it is not built.
+    pub last_read: Vec<Option<u32>>,
+    /// The stage in which the outputs appear: the datapath's latency in cycles.
+    pub last_stage: u32,
+}
+
+/// The shortest schedule, with few registers.
+///
+/// The length is that of every operation starting as soon as its operands are there. Within it
+/// each operation, from the last to the first, moves to the stage that costs the fewest register
+/// bits: those that carry its result on to where it is read, and those that carry an operand
+/// further than others carry it anyway. So what is made of long-lived inputs (a midline of a node
+/// index, a count) is made where it is needed, and a comparison's one bit is made at once.
+pub fn schedule(recording: &Recording, latencies: &OperatorLatencies) -> Schedule {
+    let count = recording.signals.len();
+    let mut schedule = Schedule {
+        start: vec![0; count],
+        available: vec![None; count],
+        last_read: vec![None; count],
+        last_stage: 0,
+    };
+    for (index, signal) in recording.signals.iter().enumerate() {
+        let available = |id: &SignalId| schedule.available[id.index()];
+        schedule.start[index] = match signal.operation {
+            RecordedOperation::Input { stage } => stage,
+            ref operation => operation
+                .operands()
+                .iter()
+                .filter_map(available)
+                .max()
+                .unwrap_or(0),
+        };
+        if !signal.operation.is_constant() {
+            let latency = latencies.of(&signal.operation);
+            schedule.available[index] = Some(schedule.start[index] + latency);
+        }
+    }
+    let available = |id: SignalId| schedule.available[id.index()].unwrap_or(0);
+    let together = recording.outputs.iter().filter(|output| !output.early);
+    schedule.last_stage = together
+        .map(|output| available(output.signal))
+        .max()
+        .unwrap_or(0);
+
+    // First and last stage in which a signal is read, as far as its readers are placed.
+    let mut first_read: Vec<Option<u32>> = vec![None; count];
+    let read = |schedule: &mut Schedule, first_read: &mut Vec<Option<u32>>, id: SignalId, stage| {
+        let first = &mut first_read[id.index()];
+        *first = Some(first.map_or(stage, |first: u32| first.min(stage)));
+        let last = &mut schedule.last_read[id.index()];
+        *last = (*last).max(Some(stage));
+    };
+    for output in &recording.outputs {
+        let stage = match output.early {
+            true => schedule.available[output.signal.index()].unwrap_or(0),
+            false => schedule.last_stage,
+        };
+        read(&mut schedule, &mut first_read, output.signal, stage);
+    }
+    for index in (0..count).rev() {
+        let operation = &recording.signals[index].operation;
+        let (Some(first), Some(last)) = (first_read[index], schedule.last_read[index]) else {
+            continue;
+        };
+        if operation.is_constant() || matches!(operation, RecordedOperation::Input { .. }) {
+            continue;
+        }
+        let latency = latencies.of(operation);
+        let width = recording.width(SignalId(index));
+        let operands = operation.operands();
+        let register_bits = |start: u32| {
+            let carried_on = width * (last - (start + latency));
+            let carried_to = |id: &SignalId| {
+                let available = schedule.available[id.index()]?;
+                let carried_anyway = schedule.last_read[id.index()].unwrap_or(0).max(available);
+                Some(recording.width(*id) * start.saturating_sub(carried_anyway))
+            };
+            carried_on + operands.iter().filter_map(carried_to).sum::<u32>()
+        };
+        let soonest = schedule.start[index];
+        let start = (soonest..=first - latency)
+            .min_by_key(|&start| register_bits(start))
+            .unwrap_or(soonest);
+        schedule.start[index] = start;
+        schedule.available[index] = Some(start + latency);
+        for operand in operands {
+            read(&mut schedule, &mut first_read, operand, start);
+        }
+    }
+    schedule
+}

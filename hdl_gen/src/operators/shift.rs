@@ -1,0 +1,144 @@
+//! The pieces between the exact result and the rounder: counting zeros, shifting with a sticky bit.
+
+use crate::netlist::{Builder, Wire};
+
+/// How many leading zeros a word has, and whether it has a one at all.
+pub(super) struct LeadingZeros {
+    /// The count, in `ceil(log2(width))` bits; without meaning for a word of zeros.
+    pub count: Wire,
+    /// Is any bit 1?
+    pub any: Wire,
+}
+
+/// Counts leading zeros as a balanced tree: each node looks at two neighbouring runs of bits, and
+/// its count is that of the upper run, or of the lower one with a 1 in front where the upper run
+/// is all zeros. The depth is the logarithm of the width, and the high bits of the count, which a
+/// shifter wants first, come out first.
+///
+/// The signals are `<name>_zeros_<high>_<low>` and `<name>_any_<high>_<low>` for bits high..low;
+/// the root's count is `<name>_leading_zeros`. The word has at least 2 bits.
+pub(super) fn leading_zeros(builder: &mut Builder, word: Wire, name: &str) -> LeadingZeros {
+    let width = builder.width(word);
+    assert!(width >= 2, "{name}: leading zeros of one bit");
+    let (count, any) = count_run(builder, word, name, width - 1, 0, true);
+    LeadingZeros {
+        count: count.expect("a word of two bits or more has a count"),
+        any,
+    }
+}
+
+/// The count and the any-bit of bits high..low. A run of one bit has no count.
+fn count_run(
+    builder: &mut Builder,
+    word: Wire,
+    name: &str,
+    high: u32,
+    low: u32,
+    is_root: bool,
+) -> (Option<Wire>, Wire) {
+    let width = high - low + 1;
+    if width == 1 {
+        return (None, builder.bit(word, low));
+    }
+    // The upper run is a power of two, so that its count has no gaps and a 1 in front adds it.
+    let upper_width = width.next_power_of_two() / 2;
+    let middle = high + 1 - upper_width;
+    let (upper_count, upper_any) = count_run(builder, word, name, high, middle, false);
+    let (lower_count, lower_any) = count_run(builder, word, name, middle - 1, low, false);
+    let upper_is_zero = builder.not(upper_any);
+    builder.name(upper_is_zero, format!("{name}_none_{high}_{middle}"));
+    let count = match upper_count {
+        None => upper_is_zero,
+        Some(upper_count) => {
+            let bits = builder.width(upper_count);
+            let lower_count = match lower_count {
+                Some(lower_count) => builder.zero_extend(lower_count, bits),
+                None => builder.constant(0, bits),
+            };
+            let rest = builder.mux(upper_any, upper_count, lower_count);
+            builder.name(rest, format!("{name}_rest_{high}_{low}"));
+            builder.concat(&[upper_is_zero, rest])
+        }
+    };
+    let any = builder.or(upper_any, lower_any);
+    if is_root {
+        builder.name(count, format!("{name}_leading_zeros"));
+        builder.name(any, format!("{name}_nonzero"));
+    } else {
+        builder.name(count, format!("{name}_zeros_{high}_{low}"));
+        builder.name(any, format!("{name}_any_{high}_{low}"));
+    }
+    (Some(count), any)
+}
+
+/// A word moved right, and what was lost on the way.
+pub(super) struct Shifted {
+    /// The word, as wide as before.
+    pub word: Wire,
+    /// Did any bit that left it differ from the fill bit?
+    pub lost: Wire,
+    /// Is the amount beyond the reach of the rows, so that `word` and `lost` say nothing and the
+    /// whole word is gone? None where the amount has no such bits.
+    pub out_of_reach: Option<Wire>,
+}
+
+/// Shifts right by `amount`, `fill` coming in at the top, in rows of selectors by 1, 2, 4, ...:
+/// the low bits of the amount, which a carry chain delivers first, are used first, and each row
+/// looks only at the bits it loses, which is less than half of what masking the word would cost.
+/// The lowest `padding` bits of the word are known to equal `fill`.
+pub(super) fn shift_right(
+    builder: &mut Builder,
+    word: Wire,
+    amount: Wire,
+    fill: Wire,
+    padding: u32,
+    name: &str,
+) -> Shifted {
+    let (width, amount_bits) = (builder.width(word), builder.width(amount));
+    // Rows up to the one that, with all before it, can move the whole word out.
+    let rows = amount_bits.min(u32::BITS - (width - 1).leading_zeros());
+    let mut moved = word;
+    let mut losses = Vec::new();
+    for row in 0..rows {
+        let step = 1 << row;
+        let select = builder.bit(amount, row);
+        let before = step - 1; // the farthest the rows so far have moved the word
+        let lost_from = padding.saturating_sub(before);
+        if lost_from < step {
+            let leaving = builder.slice(moved, step.min(width) - 1, lost_from);
+            let fills = builder.sign_extend(fill, step.min(width) - lost_from);
+            let differs = builder.xor(leaving, fills);
+            builder.name(differs, format!("{name}_differing_by_{step}"));
+            let any = builder.any_bit(differs);
+            builder.name(any, format!("{name}_leaving_by_{step}"));
+            let lost = builder.and(select, any);
+            losses.push(builder.name(lost, format!("{name}_lost_by_{step}")));
+        }
+        let fills = builder.sign_extend(fill, step.min(width));
+        let shifted = if step < width {
+            let kept = builder.slice(moved, width - 1, step);
+            builder.concat(&[fills, kept])
+        } else {
+            fills
+        };
+        moved = builder.mux(select, shifted, moved);
+        builder.name(moved, format!("{name}_after_{step}"));
+    }
+    let lost = if losses.is_empty() {
+        builder.constant(0, 1)
+    } else {
+        let losses = builder.concat(&losses);
+        let lost = builder.any_bit(losses);
+        builder.name(lost, format!("{name}_lost"))
+    };
+    let out_of_reach = (rows < amount_bits).then(|| {
+        let high = builder.slice(amount, amount_bits - 1, rows);
+        let out_of_reach = builder.any_bit(high);
+        builder.name(out_of_reach, format!("{name}_out_of_reach"))
+    });
+    Shifted {
+        word: moved,
+        lost,
+        out_of_reach,
+    }
+}

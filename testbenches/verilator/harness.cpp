@@ -1,0 +1,192 @@
+// Runs a Verilated unit beside the golden model and compares, cycle by cycle, as the golden
+// values stream in on standard input: nothing of a run is kept but the last few cycles.
+//
+// "design.h" is generated for each design. It says what a record holds, drives the input ports,
+// and compares. A record is one cycle: first the words for the input ports, then the golden
+// words. All words are little-endian and as wide as `Word`.
+//
+//   harness HEIGHTS [--vcd FILE FIRST LAST] < records
+//
+// HEIGHTS holds the contents of the height memory, 16 bits a word ("-": the unit has none). The
+// outcome is one JSON object on standard output. Exit code 0: the run ended, agreeing or not.
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "design.h"
+#include "verilated.h"
+#if VM_TRACE
+#include "verilated_vcd_c.h"
+#endif
+
+namespace {
+
+// Time units of a clock period; the rising edge stands at the cycle's beginning.
+constexpr uint64_t kPeriod = 10;
+// After so many cycles with a difference the rest is consequence.
+constexpr uint64_t kDivergentCycles = 64;
+
+[[noreturn]] void fail(const std::string& message) {
+  std::fprintf(stderr, "harness: %s\n", message.c_str());
+  std::exit(2);
+}
+
+std::vector<uint16_t> read_heights(const char* path) {
+  std::vector<uint16_t> heights;
+  if (std::strcmp(path, "-") == 0) return heights;
+  std::FILE* file = std::fopen(path, "rb");
+  if (file == nullptr) fail(std::string(path) + ": cannot be read");
+  uint16_t height;
+  while (std::fread(&height, sizeof height, 1, file) == 1) heights.push_back(height);
+  std::fclose(file);
+  return heights;
+}
+
+class Records {
+ public:
+  Records() : buffer_(kRecordsABlock * kRecordWords) {}
+
+  // The next record, or nullptr at the end of the stream.
+  const Word* next() {
+    if (position_ == filled_) {
+      const size_t words = std::fread(buffer_.data(), sizeof(Word), buffer_.size(), stdin);
+      if (words % kRecordWords != 0) fail("the stream of golden values ends within a record");
+      filled_ = words / kRecordWords;
+      position_ = 0;
+      if (filled_ == 0) return nullptr;
+    }
+    return &buffer_[kRecordWords * position_++];
+  }
+
+ private:
+  static constexpr size_t kRecordsABlock = 512;
+  std::vector<Word> buffer_;
+  size_t position_ = 0;
+  size_t filled_ = 0;
+};
+
+struct Difference {
+  size_t probe;
+  uint64_t expected;
+  uint64_t found;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2 && argc != 6) fail("usage: harness HEIGHTS [--vcd FILE FIRST LAST] < records");
+  const std::vector<uint16_t> heights = read_heights(argv[1]);
+  if (kHasMemory && heights.size() < kMemoryWords) fail("the height memory's file is too short");
+
+  const auto context = std::make_unique<VerilatedContext>();
+  context->randReset(0);
+#if VM_TRACE
+  context->traceEverOn(true);
+#endif
+  // No name: the waveform's hierarchy begins with the unit itself.
+  const auto top = std::make_unique<Top>(context.get(), "");
+#if VM_TRACE
+  VerilatedVcdC trace;
+  uint64_t first_traced = UINT64_MAX;
+  uint64_t last_traced = 0;
+  if (argc == 6) {
+    first_traced = std::strtoull(argv[4], nullptr, 10);
+    last_traced = std::strtoull(argv[5], nullptr, 10);
+    top->trace(&trace, 99);
+    trace.open(argv[3]);
+  }
+#else
+  if (argc == 6) fail("built without waveforms");
+#endif
+
+  // In reset the pipeline fills with idle operands: its registers then hold what the golden model
+  // says, without a reset of their own.
+  uint64_t address = 0;
+  const auto rising_edge = [&] {
+    address = memory_address(*top);
+    top->clk_i = 1;
+    top->eval();
+    if (kHasMemory) drive_height(*top, heights[address]);
+  };
+  const std::vector<Word> idle(kRecordWords, 0);
+  top->rst_ni = 0;
+  for (int cycle = 0; cycle < kResetCycles; ++cycle) {
+    drive(*top, idle.data());
+    top->clk_i = 0;
+    top->eval();
+    rising_edge();
+  }
+  top->rst_ni = 1;
+
+  // The last cycles' golden words, each kept as long as a register behind it may ask for it.
+  std::vector<Word> ring(kRingCycles * kRecordWords, 0);
+  Records records;
+  std::vector<Difference> first;
+  uint64_t first_cycle = 0;
+  uint64_t cycles = 0;
+  uint64_t mismatches = 0;
+  uint64_t divergent_cycles = 0;
+  uint64_t results = 0;
+  bool primed = false;
+  while (const Word* record = records.next()) {
+    if (!primed) {
+      // What stood in the pipeline before cycle 0 is the idle cycle itself.
+      for (size_t slot = 0; slot < kRingCycles; ++slot) {
+        std::memcpy(&ring[slot * kRecordWords], record, kRecordWords * sizeof(Word));
+      }
+      primed = true;
+    }
+    std::memcpy(&ring[(cycles % kRingCycles) * kRecordWords], record, kRecordWords * sizeof(Word));
+    const GoldenWords golden{ring.data(), cycles};
+    drive(*top, record);
+    top->clk_i = 0;
+#if VM_TRACE
+    const bool traced = cycles >= first_traced && cycles <= last_traced;
+    if (traced && cycles == first_traced) trace.dump(cycles * kPeriod);
+#endif
+    top->eval();
+#if VM_TRACE
+    if (traced) trace.dump(cycles * kPeriod + kPeriod / 2);
+#endif
+    if (differs(*top, golden)) {
+      for (size_t probe = 0; probe < kProbes; ++probe) {
+        const uint64_t expected = expected_value(golden, probe);
+        const uint64_t found = found_value(*top, probe);
+        if (expected == found) continue;
+        ++mismatches;
+        if (divergent_cycles == 0) {
+          first_cycle = cycles;
+          first.push_back({probe, expected, found});
+        }
+      }
+      ++divergent_cycles;
+    }
+    results += result_leaves(*top);
+    ++cycles;
+    rising_edge();
+#if VM_TRACE
+    if (traced) trace.dump(cycles * kPeriod);
+#endif
+    if (divergent_cycles >= kDivergentCycles) break;
+  }
+#if VM_TRACE
+  if (argc == 6) trace.close();
+#endif
+  top->final();
+
+  std::printf("{\"cycles\":%llu,\"results\":%llu,\"mismatches\":%llu,\"first_cycle\":%llu,\"first\":[",
+              static_cast<unsigned long long>(cycles), static_cast<unsigned long long>(results),
+              static_cast<unsigned long long>(mismatches),
+              static_cast<unsigned long long>(first_cycle));
+  for (size_t place = 0; place < first.size(); ++place) {
+    std::printf("%s{\"probe\":%zu,\"expected\":%llu,\"found\":%llu}", place == 0 ? "" : ",",
+                first[place].probe, static_cast<unsigned long long>(first[place].expected),
+                static_cast<unsigned long long>(first[place].found));
+  }
+  std::printf("]}\n");
+  return 0;
+}
