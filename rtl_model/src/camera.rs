@@ -260,7 +260,7 @@ mod tests {
             eye: [0.0, 1e-4, 0.0],
             elevation_deg: 0.0,
             azimuth_deg: 0.0,
-            fov_y_deg: 1e-4,
+            fov_y_deg: 4e-4,
         };
         let error = View::new(&camera, &SURFACE, 1, 2).rays(256).unwrap_err();
         assert_eq!((error.x, error.y), (0, 1));

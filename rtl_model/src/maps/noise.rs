@@ -97,9 +97,21 @@ pub(super) fn nearest(seed: u64, u: f64, v: f64, cells: i64, jitter: f64) -> Nea
         offset: (0.0, 0.0),
         hash: 0,
     };
-    // The nearest point may lie two cells off where points stray to the far corners.
-    for along in -2..=2_i64 {
-        for across in -2..=2_i64 {
+    // The second nearest point may lie two cells off, where points stray to far corners. From the
+    // middle outwards, most cells turn out to be too far before their point is placed.
+    const OUTWARDS: [i64; 5] = [0, -1, 1, -2, 2];
+    let gap = |cells_off: i64, within: f64| match cells_off {
+        0 => 0.0,
+        1.. => cells_off as f64 - within,
+        _ => within - 1.0 - cells_off as f64,
+    };
+    for along in OUTWARDS {
+        for across in OUTWARDS {
+            let gap_x = gap(across, x - column);
+            let gap_y = gap(along, y - row);
+            if gap_x * gap_x + gap_y * gap_y > found.second_distance * found.second_distance {
+                continue;
+            }
             let own = hash(
                 seed,
                 (column as i64 + across).rem_euclid(cells),
@@ -145,6 +157,29 @@ mod tests {
             let found = nearest(seed, u, v, cells, 1.0);
             prop_assert!(found.distance <= found.second_distance);
             prop_assert!(found.second_distance < 3.0);
+        }
+    }
+
+    /// Leaving out the cells that are too far changes nothing.
+    #[test]
+    fn the_nearest_points_are_those_of_a_full_search() {
+        let (seed, cells) = (9, 5_i64);
+        let centre = |n: i64| (n as f64 + 0.5) / 40.0;
+        for (u, v) in (0..1600).map(|n| (centre(n % 40), centre(n / 40))) {
+            let mut distances: Vec<f64> = (-cells..2 * cells)
+                .flat_map(|row| (-cells..2 * cells).map(move |column| (column, row)))
+                .map(|(column, row)| {
+                    let (place_x, place_y) =
+                        pair(hash(seed, column.rem_euclid(cells), row.rem_euclid(cells)));
+                    let dx = column as f64 + place_x - u * cells as f64;
+                    let dy = row as f64 + place_y - v * cells as f64;
+                    (dx * dx + dy * dy).sqrt()
+                })
+                .collect();
+            distances.sort_by(f64::total_cmp);
+            let found = nearest(seed, u, v, cells, 1.0);
+            assert!((found.distance - distances[0]).abs() < 1e-12);
+            assert!((found.second_distance - distances[1]).abs() < 1e-12);
         }
     }
 

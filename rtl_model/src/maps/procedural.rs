@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::height_map::check_size;
 use super::noise::{blend, fractal, gradient, hash, nearest, pair, smooth_step};
-use super::{HeightMap, MAX_SIZE, MapError};
+use super::{HeightMap, MapError};
 
 /// What a procedural map shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -66,7 +66,7 @@ impl Procedural {
     /// A recipe for a map of `size` x `size` texels of 8 bits.
     ///
     /// # Errors
-    /// A size that is not a power of two of 1 to [`MAX_SIZE`], or for [`Pattern::Flat`] a seed
+    /// A size that is not a power of two of 1 to [`MAX_SIZE`](super::MAX_SIZE), or for [`Pattern::Flat`] a seed
     /// above 255.
     pub fn new(pattern: Pattern, size: u32, seed: u64) -> Result<Procedural, MapError> {
         let recipe = Procedural {
@@ -266,7 +266,7 @@ fn mountain(seed: u64, u: f64, v: f64) -> f64 {
         crest = ridge;
         weight /= 2.0;
     }
-    body * (0.45 + 0.75 * ridges) + 0.18 * ridges
+    body * (0.6 + 0.6 * ridges) + 0.12 * ridges
 }
 
 /// Eight by eight squares, or as many as there are texels.
@@ -287,6 +287,7 @@ fn checkerboard(seed: u64, size: u32) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::maps::MAX_SIZE;
 
     fn map(pattern: Pattern, size: u32, seed: u64) -> HeightMap {
         Procedural::new(pattern, size, seed).unwrap().generate()

@@ -1,0 +1,13 @@
+//! Pictures of a frame of hits: shaded, and as maps of its steps and depths.
+
+mod canvas;
+mod chart;
+mod colour;
+mod frame;
+mod save;
+mod shade;
+
+pub use chart::{Extent, depth_picture, steps_picture};
+pub use frame::{Frame, FrameError, PixelHit};
+pub use save::{SaveError, save_png};
+pub use shade::shaded_picture;
