@@ -7,4 +7,6 @@ pub mod netlist;
 pub mod operators;
 pub mod pipeline;
 pub mod simulate;
+pub mod units;
+pub mod verify;
 pub mod wave;

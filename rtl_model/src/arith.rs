@@ -61,7 +61,7 @@ pub trait Arith {
         when_zero: Self::Num,
     ) -> Self::Num;
     /// `value * 2^exponent`.
-    fn from_integer(
+    fn number_from_integer(
         &mut self,
         rounding: Rounding,
         value: Self::Int,

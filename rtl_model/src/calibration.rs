@@ -1,12 +1,13 @@
 //! The scenes of the 2013 hardware paper: three cameras and seven surfaces.
 //!
-//! The paper (the traverse unit of this project, 2013) prints neither its cameras nor its depth
-//! scales. Those below were settled by measurement: an independent `f64` program run over the seven
-//! real maps reproduces the rows [10] (Oh et al. 2006) and [12] (Tevs et al. 2008) of the paper's
-//! Table 4, mean steps per pixel, to 1.2 % and 1.8 % mean deviation. The oblique camera and all depth
-//! scales but that of Rocks are the defaults of the DirectX SDK sample the maps come from; the front
-//! and grazing cameras, and the depth of Rocks, are fitted. Angles and lengths are those of
-//! [`Camera`] and [`Surface`].
+//! The paper, "Effective traversal algorithms and hardware architecture for pyramidal inverse
+//! displacement mapping" (Computers & Graphics, special section on CAD/Graphics 2013), prints
+//! neither its cameras nor its depth scales. Those below were settled by measurement: an independent
+//! `f64` program run over the seven real maps reproduces the rows \[10\] (Oh et al. 2006) and \[12\]
+//! (Tevs et al. 2008) of the paper's Table 4, mean steps per pixel, to 1.2 % and 1.8 % mean deviation.
+//! The oblique camera and all depth scales but that of Rocks are the defaults of the DirectX SDK
+//! sample the maps come from; the front and grazing cameras, and the depth of Rocks, are fitted.
+//! Angles and lengths are those of [`Camera`] and [`Surface`].
 
 use std::env;
 use std::path::{Path, PathBuf};

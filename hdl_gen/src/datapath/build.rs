@@ -4,9 +4,10 @@ use super::record::Recording;
 use super::schedule::{OperatorLatencies, Schedule};
 use super::signal::{Kind, RecordedOperation, SignalId};
 use crate::netlist::{Builder, Meaning, Module, Wire};
+use crate::pipeline::ENABLE;
 use crate::operators::{FloatOperator, float_operator};
 use rtl_model::float::Rounding;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 /// A register of a pipelined datapath, or the output register of one of its operators: a place
@@ -15,8 +16,9 @@ use std::sync::Arc;
 pub struct PipelineRegister {
     /// Its name in the module: the signal's name and its stage, as in `exit_depth_u_s5`.
     pub name: String,
-    /// The signal of the recording whose value it holds.
-    pub signal: SignalId,
+    /// Whose value it holds: the result of an operation, as its place among the words of the
+    /// golden reading, or an input, as its place among the inputs.
+    pub word: Result<usize, usize>,
     /// The stage it stands in front of: it holds the value of the evaluation that entered this
     /// many cycles before.
     pub stage: u32,
@@ -36,6 +38,9 @@ pub struct BuiltDatapath {
     pub registers: Vec<PipelineRegister>,
     /// Cycles from the first input to the outputs.
     pub latency: u32,
+    /// For every output port that is the result of an operation: its place among the words of the
+    /// golden reading.
+    pub output_words: BTreeMap<String, usize>,
 }
 
 /// Builds the module of a recording as the schedule says.
@@ -60,10 +65,19 @@ pub fn build(
         build.builder.describe(line.clone());
     }
     build.run();
+    let output_words = recording
+        .outputs
+        .iter()
+        .filter_map(|output| {
+            let word = recording.signal(output.signal).word?;
+            Some((format!("{}_o", output.name), word))
+        })
+        .collect();
     BuiltDatapath {
         module: build.builder.finish(),
         registers: build.registers,
         latency: schedule.last_stage,
+        output_words,
     }
 }
 
@@ -83,7 +97,7 @@ struct Build<'a> {
 impl Build<'_> {
     fn run(&mut self) {
         if self.schedule.last_stage > 0 {
-            self.enable = Some(self.builder.input("enable_i", 1));
+            self.enable = Some(self.builder.input(ENABLE, 1));
         }
         self.builder.set_latency(self.schedule.last_stage);
         for id in self.recording.inputs().collect::<Vec<_>>() {
@@ -148,9 +162,11 @@ impl Build<'_> {
     }
 
     fn add_register(&mut self, id: SignalId, stage: u32) {
+        let input_place = || self.recording.inputs().position(|input| input == id);
+        let word = self.recording.signal(id).word;
         self.registers.push(PipelineRegister {
             name: self.stage_name(id, stage),
-            signal: id,
+            word: word.ok_or_else(|| input_place().expect("an operation or an input")),
             stage,
             width: self.recording.width(id),
             meaning: self.meaning(id),
@@ -231,14 +247,15 @@ impl Build<'_> {
             .entry(made.name.clone())
             .or_insert(made)
             .clone();
-        let mut ports = Vec::new();
-        if latency > 0 {
-            ports.push(
-                self.enable
-                    .expect("a datapath with an operator has an enable"),
-            );
-        }
-        ports.extend_from_slice(inputs);
+        let mut operands = inputs.iter();
+        let ports: Vec<Wire> = module
+            .inputs
+            .iter()
+            .map(|&port| match module.node(port).name.as_deref() {
+                Some(ENABLE) => self.enable.expect("a datapath with an operator has an enable"),
+                _ => *operands.next().expect("one operand for each port"),
+            })
+            .collect();
         let name = self.name(id);
         self.builder
             .instance(&format!("{name}_operator"), &module, &ports)[0]

@@ -223,7 +223,7 @@ impl Arith for Recorder {
     fn select(&mut self, condition: BitSignal, one: NumSignal, zero: NumSignal) -> NumSignal {
         self.num(RecordedOperation::Select(condition.0, one.0, zero.0))
     }
-    fn from_integer(
+    fn number_from_integer(
         &mut self,
         rounding: Rounding,
         value: IntSignal,

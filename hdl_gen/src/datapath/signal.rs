@@ -86,7 +86,7 @@ pub enum RecordedOperation {
     LessEqual(SignalId, SignalId),
     /// `select` and `int_select`.
     Select(SignalId, SignalId, SignalId),
-    /// `from_integer`: value, exponent.
+    /// `number_from_integer`: value, exponent.
     FromInteger(Rounding, SignalId, SignalId),
     /// `depth_from_height`: height, its bits.
     DepthFromHeight(SignalId, u32),

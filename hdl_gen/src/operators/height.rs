@@ -1,4 +1,4 @@
-//! The two operators of the traverse unit that no other float unit has.
+//! The operators of the traverse unit that no other float unit has.
 
 use rtl_model::float::FloatFormat;
 
@@ -118,4 +118,46 @@ pub(super) fn depth(builder: &mut Builder, format: FloatFormat, bits: u32) -> Wi
     builder.name(magnitude, "result_magnitude");
     let positive = builder.constant(0, 1);
     builder.concat(&[positive, magnitude])
+}
+
+/// The exponent, plus one, plus the zeros at the fraction's end, as a power of two.
+pub(super) fn exact_below(builder: &mut Builder, format: FloatFormat) -> Wire {
+    let (exponent_bits, fraction_bits) = (format.exponent_bits, format.fraction_bits);
+    let a_i = builder.input("a_i", format.width());
+
+    builder.section("unpack");
+    let a_exponent = builder.slice(a_i, format.width() - 2, fraction_bits);
+    builder.name(a_exponent, "a_exponent");
+    let exponent_nonzero = builder.any_bit(a_exponent);
+
+    builder.section("count the zeros at the fraction's end");
+    // Mirrored, so that the last bit leads; the hidden bit ends the count, and the zero in front
+    // adds the one.
+    let mut mirrored = vec![builder.constant(0, 1)];
+    mirrored.extend((0..fraction_bits).map(|place| builder.bit(a_i, place)));
+    mirrored.push(builder.constant(1, 1));
+    let mirrored = builder.concat(&mirrored);
+    builder.name(mirrored, "mirrored_significand");
+    let zeros = leading_zeros(builder, mirrored, "mirrored");
+
+    builder.section("add them to the exponent");
+    let count_bits = builder.width(zeros.count);
+    let sum_bits = 1 + exponent_bits.max(count_bits);
+    let wide_exponent = builder.zero_extend(a_exponent, sum_bits);
+    let wide_count = builder.zero_extend(zeros.count, sum_bits);
+    let sum = builder.add(wide_exponent, wide_count);
+    builder.name(sum, "limit_exponent");
+    let all_ones = builder.constant(format.exponent_all_ones(), sum_bits);
+    let below_infinity = builder.less_than(sum, all_ones);
+    builder.name(below_infinity, "below_infinity");
+    // An infinity or NaN has an exponent past the range already: the count is at least one.
+    let in_range = builder.and(below_infinity, exponent_nonzero);
+    builder.name(in_range, "in_range");
+    let exponent = builder.slice(sum, exponent_bits - 1, 0);
+    let infinite = builder.constant(format.exponent_all_ones(), exponent_bits);
+    let exponent = builder.mux(in_range, exponent, infinite);
+    builder.name(exponent, "result_exponent");
+    let positive = builder.constant(0, 1);
+    let fraction = builder.constant(0, fraction_bits);
+    builder.concat(&[positive, exponent, fraction])
 }

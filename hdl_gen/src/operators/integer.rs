@@ -99,7 +99,7 @@ pub(super) fn from_integer(
     )
 }
 
-/// The integer nearest in the direction of the rounding, two's complement, saturated.
+/// The integer nearest in the direction of the rounding, two's complement, saturated; 0 for NaN.
 pub(super) fn to_integer(
     builder: &mut Builder,
     format: FloatFormat,
@@ -203,18 +203,15 @@ pub(super) fn to_integer(
     let negative = builder.bit(signed_integer, bits - 1);
     let positive = builder.not(a.sign);
     let wrapped = builder.and(negative, positive);
-    let special = builder.or(a_is.is_nan, a_is.is_infinity);
-    let saturates = builder.or(too_large, special);
+    let saturates = builder.or(too_large, a_is.is_infinity);
     let saturates = builder.or(saturates, wrapped);
     builder.name(saturates, "saturates");
-    let takes_lowest = {
-        let is_number = builder.not(a_is.is_nan);
-        builder.and(a.sign, is_number)
-    };
     let lowest = builder.constant(1 << (bits - 1), bits);
     let highest = builder.constant((1 << (bits - 1)) - 1, bits);
-    let limit = builder.mux(takes_lowest, lowest, highest);
-    let result = builder.mux(saturates, limit, signed_integer);
+    let limit = builder.mux(a.sign, lowest, highest);
+    let number = builder.mux(saturates, limit, signed_integer);
+    let zero = builder.constant(0, bits);
+    let result = builder.mux(a_is.is_nan, zero, number);
     builder.mean(result, crate::netlist::Meaning::Signed);
     builder.name(result, "result")
 }

@@ -58,7 +58,7 @@ pub enum FloatOperator {
         /// Bits of `exponent_i`, 1 to 16.
         exponent_bits: u32,
     },
-    /// `result_o` = `a_i` as a two's complement integer, saturated; a NaN gives the largest.
+    /// `result_o` = `a_i` as a two's complement integer, saturated; 0 for NaN.
     ToInteger {
         /// Bits of `result_o`, 2 to 63.
         bits: u32,
@@ -72,6 +72,10 @@ pub enum FloatOperator {
         /// The distance in units in the last place.
         ulps: u32,
     },
+    /// `result_o` = the power of two below which every multiple of the weight of `a_i`'s last
+    /// nonzero significand bit is representable; infinity for zero, infinity and NaN, and where it
+    /// is out of range.
+    ExactBelow,
     /// `result_o` = `1 - height_i / (2^bits - 1)` rounded toward zero.
     DepthFromHeight {
         /// Bits of `height_i`: 8 or 16 (any from 2 to 32 works).
@@ -124,6 +128,7 @@ impl FloatOperator {
             FloatOperator::ToInteger { .. } => "float_to_integer",
             FloatOperator::Floor => "float_floor",
             FloatOperator::UlpsUp { .. } => "float_ulps_up",
+            FloatOperator::ExactBelow => "float_exact_below",
             FloatOperator::DepthFromHeight { .. } => "depth_from_height",
         }
     }
@@ -213,6 +218,7 @@ impl FloatOperator {
             FloatOperator::ToInteger { .. } => "to_integer",
             FloatOperator::Floor => "floor",
             FloatOperator::UlpsUp { .. } => "ulps_up",
+            FloatOperator::ExactBelow => "exact_below",
             FloatOperator::DepthFromHeight { .. } => "depth_from_height",
         }
     }
@@ -233,12 +239,14 @@ impl FloatOperator {
                 "result_o = value_i * 2^exponent_i, both two's complement".to_owned()
             }
             FloatOperator::ToInteger { .. } => {
-                "result_o = a_i as a two's complement integer, saturated; NaN gives the largest"
-                    .to_owned()
+                "result_o = a_i as a two's complement integer, saturated; 0 for NaN".to_owned()
             }
             FloatOperator::Floor => "result_o = the largest integer not above a_i".to_owned(),
             FloatOperator::UlpsUp { ulps } => {
                 format!("result_o = a_i moved up by {ulps} units in the last place; a_i >= 0")
+            }
+            FloatOperator::ExactBelow => {
+                "result_o = below this power of two differences with a_i are exact".to_owned()
             }
             FloatOperator::DepthFromHeight { bits } => {
                 format!("result_o = 1 - height_i / (2^{bits} - 1), rounded toward zero")
@@ -343,6 +351,7 @@ fn build(builder: &mut Builder, kind: FloatOperator, format: FloatFormat, roundi
             height::ulps_up(builder, format, ulps),
             Meaning::Float(format),
         ),
+        FloatOperator::ExactBelow => (height::exact_below(builder, format), Meaning::Float(format)),
         FloatOperator::DepthFromHeight { bits } => {
             (height::depth(builder, format, bits), Meaning::Float(format))
         }

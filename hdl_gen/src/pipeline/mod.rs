@@ -23,7 +23,7 @@ pub const ENABLE: &str = "enable_i";
 
 /// Cuts a combinational module into `latency` clock cycles: `latency - 1` cuts inside and a
 /// register at every output lie on every path from an input to an output; inputs are not
-/// registered. The input `enable_i` follows the module's own inputs: while it is 0 every register
+/// registered. The input `enable_i`, the first, is the clock enable: while it is 0 every register
 /// holds. Data registers have no reset.
 ///
 /// A value `x` that is read in a later stage s than the one it is computed in is there called

@@ -47,6 +47,7 @@ impl<'a> Rebuild<'a> {
             builder.localparam(&localparam.name, localparam.value, &localparam.reason);
         }
         builder.set_latency(latency);
+        let enable = builder.input(ENABLE, 1);
         let mut placed = HashMap::new();
         for &input in &module.inputs {
             let node = module.node(input);
@@ -55,7 +56,6 @@ impl<'a> Rebuild<'a> {
             builder.mean(wire, node.meaning);
             placed.insert((input.index(), 0), wire);
         }
-        let enable = builder.input(ENABLE, 1);
         let names = module.nodes.iter().filter_map(|node| node.name.clone());
         let mut rebuild = Rebuild {
             names: names.collect(),

@@ -8,6 +8,6 @@ mod recirculation;
 mod stall;
 
 pub use recirculation::{
-    CycleInputs, CycleOutputs, ID_BITS, STEP_INPUTS, StageEntry, TraverseMachine,
+    CycleInputs, CycleOutputs, ID_BITS, RegisterKind, STEP_INPUTS, StageEntry, TraverseMachine,
 };
 pub use stall::StallPattern;

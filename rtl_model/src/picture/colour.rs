@@ -21,8 +21,8 @@ const VIRIDIS: [[u8; 3]; 9] = [
 /// end, and NaN the dark one.
 pub(super) fn scale(position: f64) -> Rgb<u8> {
     let last = VIRIDIS.len() - 1;
-    // `max` answers its argument where `position` is NaN.
-    let place = position.max(0.0).min(1.0) * last as f64;
+    let position = if position.is_nan() { 0.0 } else { position };
+    let place = position.clamp(0.0, 1.0) * last as f64;
     let below = (place as usize).min(last - 1);
     mix(
         Rgb(VIRIDIS[below]),

@@ -9,14 +9,15 @@ use crate::camera::Surface;
 use crate::maps::HeightMap;
 use crate::scene::Light;
 
-/// Light that reaches every point, as a part of the whole.
-const AMBIENT: f64 = 0.18;
+/// Light from the sky and from the lamp on what faces them, in linear red, green and blue.
+const SKY: DVec3 = DVec3::new(0.17, 0.20, 0.25);
+const LAMP: DVec3 = DVec3::new(0.90, 0.84, 0.74);
 /// The material at the bottom and at the top, in linear red, green and blue.
-const LOW: DVec3 = DVec3::new(0.30, 0.22, 0.17);
-const HIGH: DVec3 = DVec3::new(0.86, 0.80, 0.70);
+const LOW: DVec3 = DVec3::new(0.34, 0.20, 0.12);
+const HIGH: DVec3 = DVec3::new(0.84, 0.82, 0.76);
 
-/// The frame in the light of one lamp: Lambert's law with some ambient light, on a material that is
-/// darker and browner the deeper it lies. Pixels without a ray show a dim sky.
+/// The frame in the light of one lamp: Lambert's law with light from the sky besides, on a
+/// material that is darker and browner the deeper it lies. Pixels without a ray show a dim sky.
 ///
 /// The picture is as large as the frame. Normals are central differences of the heights around the
 /// texel that was hit, weighted by Sobel's kernel; a wrong texel therefore shows as a speck. `surface`
@@ -36,10 +37,10 @@ pub fn shaded_picture(
         };
         let normal = normal(map, i64::from(hit.i), i64::from(hit.j), relief);
         let material = HIGH.lerp(LOW, hit.t.clamp(0.0, 1.0));
-        // Deep places see less of the sky.
-        let open = 1.0 - 0.6 * hit.t.clamp(0.0, 1.0);
+        // A slope sees a part of the sky, and a deep place less of that.
+        let open = (0.5 + 0.5 * normal.z) * (1.0 - 0.6 * hit.t.clamp(0.0, 1.0));
         let lambert = normal.dot(to_light).max(0.0);
-        let lit = material * (AMBIENT * open + (1.0 - AMBIENT) * lambert);
+        let lit = material * (SKY * open + LAMP * lambert);
         image::Rgb([encode(lit.x), encode(lit.y), encode(lit.z)])
     })
 }

@@ -115,7 +115,7 @@ impl Arith for ExactReading {
     fn select(&mut self, condition: bool, when_one: ExactNum, when_zero: ExactNum) -> ExactNum {
         if condition { when_one } else { when_zero }
     }
-    fn from_integer(&mut self, _: Rounding, value: i64, exponent: i64) -> ExactNum {
+    fn number_from_integer(&mut self, _: Rounding, value: i64, exponent: i64) -> ExactNum {
         let power = BigInt::from(1) << exponent.unsigned_abs();
         let value = BigInt::from(value);
         self.number(if exponent < 0 {

@@ -107,7 +107,7 @@ impl<H: HasFormat> Arith for FloatReading<H> {
         if condition { when_one } else { when_zero }
     }
     #[inline(always)]
-    fn from_integer(&mut self, rounding: Rounding, value: i64, exponent: i64) -> u64 {
+    fn number_from_integer(&mut self, rounding: Rounding, value: i64, exponent: i64) -> u64 {
         self.format().from_integer(rounding, value, exponent)
     }
     #[inline(always)]

@@ -70,7 +70,7 @@ impl Arith for F64Reading {
         if condition { when_one } else { when_zero }
     }
     #[inline(always)]
-    fn from_integer(&mut self, _: Rounding, value: i64, exponent: i64) -> f64 {
+    fn number_from_integer(&mut self, _: Rounding, value: i64, exponent: i64) -> f64 {
         // The exponents of a walk are node sizes, 2^-13 to 1: the power is exact.
         value as f64 * f64::from_bits(((1023 + exponent) as u64) << 52)
     }

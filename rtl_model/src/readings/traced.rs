@@ -74,7 +74,7 @@ impl<R: Word> Arith for Traced<R> {
         negate_if(condition: bool, a: R::Num) -> R::Num;
         magnitude(a: R::Num) -> R::Num;
         select(condition: bool, when_one: R::Num, when_zero: R::Num) -> R::Num;
-        from_integer(rounding: Rounding, value: i64, exponent: i64) -> R::Num;
+        number_from_integer(rounding: Rounding, value: i64, exponent: i64) -> R::Num;
         depth_from_height(height: i64, bits: u32) -> R::Num;
     }
     keep! { int:

@@ -14,12 +14,11 @@
 //!     side = 200.0                         # world units of the square plane, centred at the origin
 //!     depth_scale = 10.0                   # world units below the plane for depth 1
 //!     repeat = 4.0                         # repeats of the map across the side
-//!     [camera]
+//!     [camera]                             # or only: preset = "front" | "oblique" | "grazing"
 //!     eye = [76.0, 43.0, -110.0]           # x, y (up), z in world units; above the plane
 //!     elevation_deg = 31.0                 # pitch of the view axis below the horizon
 //!     azimuth_deg = -36.0                  # from +z towards +x
 //!     fov_y_deg = 45.0                     # the vertical field of view
-//!     # or instead of these four: preset = "front" | "oblique" | "grazing"
 //!     [light]                              # may be left out
 //!     direction = [-0.5, -0.4, 0.75]       # tangent space, from the surface to the light
 //!     [frame]

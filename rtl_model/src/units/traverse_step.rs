@@ -424,7 +424,7 @@ fn exit<A: Arith>(a: &mut A, axis: &Axis<A>, size_exponent: A::Int, index: A::In
     let one = a.int_constant(1);
     let next = a.int_add(index, one);
     // Exact: an index has no more bits than a significand.
-    let border = a.from_integer(TowardZero, next, size_exponent);
+    let border = a.number_from_integer(TowardZero, next, size_exponent);
     a.name_num(names.border, border);
     let distance = a.sub(TowardZero, border, axis.coordinate);
     a.name_num(names.border_distance, distance);
@@ -453,7 +453,7 @@ fn far_child<A: Arith>(
     let half_exponent = a.int_sub(size_exponent, one);
     let twice = a.int_add(index, index);
     let odd = a.int_or(twice, one);
-    let midline = a.from_integer(TowardZero, odd, half_exponent);
+    let midline = a.number_from_integer(TowardZero, odd, half_exponent);
     a.name_num(names.midline, midline);
     let distance = a.sub(Up, midline, axis.coordinate);
     a.name_num(names.midline_distance, distance);

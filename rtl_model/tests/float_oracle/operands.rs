@@ -168,7 +168,7 @@ fn pair(format: FloatFormat, random: &mut Random) -> (u64, u64) {
         _ => {
             let leading = 1u64 << fraction_bits;
             let divisor = leading | (random.next() & (leading - 1));
-            let half_units = 2 * leading | (random.next() & (2 * leading - 1));
+            let half_units = (2 * leading) | (random.next() & (2 * leading - 1));
             let product = u128::from(divisor) * u128::from(half_units);
             let bits = 128 - i64::from(product.leading_zeros());
             let dividend = (product >> (bits - fraction_bits - 1)) as u64;

@@ -1,0 +1,2 @@
+use hdl_gen::operators::*; use rtl_model::float::*;
+#[test] fn t(){ for (k,l) in [(FloatOperator::Add,2),(FloatOperator::Subtract,2),(FloatOperator::Multiply,1),(FloatOperator::Divide,2),(FloatOperator::LessThan,1),(FloatOperator::LessEqual,1),(FloatOperator::FromInteger{value_bits:18,exponent_bits:6},1),(FloatOperator::UlpsUp{ulps:1},0),(FloatOperator::DepthFromHeight{bits:8},1),(FloatOperator::ExactBelow,0)] { println!("{k:?}"); float_operator(k, FloatFormat::E7F16, Rounding::TowardZero, l); } }
