@@ -138,27 +138,14 @@ pub fn walk_scene(
     pyramid: &Pyramid,
     progress: Progress<'_>,
 ) -> Result<Frame, WalkFrameError> {
+    // Each ray is made twice, here and when it is walked: that is quicker than keeping them all.
+    check_scene(scene, pyramid)?;
     let view = scene.view();
     let (width, height) = (scene.frame.width, scene.frame.height);
     let pixels = width as usize * height as usize;
-    let place = |pixel: usize| {
-        (
-            (pixel % width as usize) as u32,
-            (pixel / width as usize) as u32,
-        )
-    };
-    let checker = Walker::new(scene.walk, pyramid);
-    // A ray is made twice, here and when it is walked: that is quicker than keeping them all.
-    let fault = (0..pixels).into_par_iter().find_map_first(|pixel| {
-        let (x, y) = place(pixel);
-        admit(&checker, &view, x, y).err()
-    });
-    if let Some(fault) = fault {
-        return Err(fault);
-    }
     let mut hits = vec![None; pixels];
     walk_chunks(scene.walk, pyramid, progress, &mut hits, |walker, pixel| {
-        let (x, y) = place(pixel);
+        let (x, y) = place(pixel, width);
         let ray = admit(walker, &view, x, y)?;
         Ok::<_, WalkFrameError>(ray.map(|ray| walker.walk(ray)))
     })?;
@@ -168,6 +155,35 @@ pub fn walk_scene(
         counts: Counts::of(hits.iter().flatten()),
         hits,
     })
+}
+
+/// Checks the view rays of a scene's frame, and counts them.
+///
+/// # Errors
+/// The first pixel, in reading order, whose ray cannot be walked.
+pub fn check_scene(scene: &Scene, pyramid: &Pyramid) -> Result<u64, WalkFrameError> {
+    let view = scene.view();
+    let width = scene.frame.width;
+    let pixels = width as usize * scene.frame.height as usize;
+    let checker = Walker::new(scene.walk, pyramid);
+    let counted = |pixel| {
+        let (x, y) = place(pixel, width);
+        admit(&checker, &view, x, y).map(|ray| u64::from(ray.is_some()))
+    };
+    // Of two faults the one further left is kept, so the answer is that of reading in order.
+    let both = |left: Result<u64, _>, right: Result<u64, _>| Ok(left? + right?);
+    (0..pixels)
+        .into_par_iter()
+        .map(counted)
+        .reduce(|| Ok(0), both)
+}
+
+/// Column and row of a pixel in a frame of `width` columns.
+fn place(pixel: usize, width: u32) -> (u32, u32) {
+    (
+        (pixel % width as usize) as u32,
+        (pixel / width as usize) as u32,
+    )
 }
 
 /// Walks a list of rays; the answer has the hit of each in its place. Progress is told in rays.
