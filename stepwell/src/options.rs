@@ -1,7 +1,7 @@
 //! Options that several commands share, and what they do to a scene.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::Context;
@@ -49,6 +49,20 @@ pub struct SceneOptions {
     pub scene: PathBuf,
 
     #[command(flatten)]
+    pub replacements: Replacements,
+}
+
+impl SceneOptions {
+    /// Reads the scene and replaces in it what the options say.
+    pub fn load(&self) -> anyhow::Result<Scene> {
+        self.replacements.load(&self.scene)
+    }
+}
+
+/// What is replaced in a scene.
+#[derive(Args, Clone, Debug)]
+pub struct Replacements {
+    #[command(flatten)]
     pub map: MapOptions,
 
     /// Replace the scene's number format: eXfY with X exponent and Y fraction bits, such as e7f16,
@@ -69,10 +83,10 @@ pub struct SceneOptions {
     pub size: Option<Size>,
 }
 
-impl SceneOptions {
-    /// Reads the scene and replaces in it what the options say.
-    pub fn load(&self) -> anyhow::Result<Scene> {
-        let mut scene = Scene::load(&self.scene)?;
+impl Replacements {
+    /// Reads a scene and replaces in it what the options say.
+    pub fn load(&self, path: &Path) -> anyhow::Result<Scene> {
+        let mut scene = Scene::load(path)?;
         if let Some(map) = self.map.chosen() {
             scene.map = map;
         }

@@ -64,6 +64,7 @@ impl StreamRun<'_> {
                 meaning: self.unit.node(wire).meaning,
                 word: place,
                 delay: 0,
+                sources: Vec::new(),
             }
         };
         let names = ["ready_o", "valid_o"]
