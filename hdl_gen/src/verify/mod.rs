@@ -3,13 +3,17 @@
 mod divergence;
 mod embedded;
 mod golden;
+mod operands;
 mod record;
+mod stream;
 mod traverse;
 mod verilator;
 
 pub use divergence::{Comparison, Divergence};
 pub use embedded::run_embedded;
 pub use golden::{GoldenRun, History};
+pub use operands::OperandSets;
 pub use record::{HarnessPlan, MemoryPorts};
+pub use stream::StreamRun;
 pub use traverse::{run_verilator, traverse_plan};
 pub use verilator::{TraceWindow, Verilator, VerilatorError, run_harness};

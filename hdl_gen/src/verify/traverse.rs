@@ -91,5 +91,8 @@ pub fn run_verilator<H: HasFormat + Debug>(
         outcome
     };
     let comparison = run_harness(&program, &plan, Some(run.pyramid.memory()), window, stream)?;
-    Ok(Comparison { guards, ..comparison })
+    Ok(Comparison {
+        guards,
+        ..comparison
+    })
 }
