@@ -87,14 +87,24 @@ fn main() -> Result<(), Box<dyn Error>> {
     let golden_cycles = run.run(E7F16, |_, _, _| ControlFlow::Continue(()));
     let golden_rate = golden_cycles as f64 / start.elapsed().as_secs_f64();
     let (bare_rate, compared_rate) = (median(&mut bare_rates), median(&mut compared_rates));
-    println!("traverse unit, {} rays, {golden_cycles} cycles, {}", rays.len(), verilator.version);
-    println!("bare Verilated model     {:6.2} million cycles/s", bare_rate / 1e6);
+    println!(
+        "traverse unit, {} rays, {golden_cycles} cycles, {}",
+        rays.len(),
+        verilator.version
+    );
+    println!(
+        "bare Verilated model     {:6.2} million cycles/s",
+        bare_rate / 1e6
+    );
     println!(
         "compared in every cycle  {:6.2} million cycles/s, {} signals",
         compared_rate / 1e6,
         unit.probes.len()
     );
-    println!("golden machine alone     {:6.2} million cycles/s", golden_rate / 1e6);
+    println!(
+        "golden machine alone     {:6.2} million cycles/s",
+        golden_rate / 1e6
+    );
     println!("ratio compared / bare    {:6.2}", compared_rate / bare_rate);
     Ok(())
 }
