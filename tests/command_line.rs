@@ -6,6 +6,7 @@ use std::process;
 use std::sync::OnceLock;
 
 use assert_cmd::Command;
+use rtl_model::calibration::{MAPS_VARIABLE, real_maps};
 
 /// The folder of the workspace, where `scenes` is.
 pub fn workspace() -> &'static Path {
@@ -72,4 +73,37 @@ pub fn contents(folder: &Path) -> Vec<PathBuf> {
     }
     found.sort();
     found
+}
+
+/// Is the tool behind a `--sim` installed? Where it is not, says so in one line; in CI that is a
+/// failure.
+pub fn tool_is_there(simulator: &str) -> bool {
+    let (program, argument) = match simulator {
+        "icarus" => ("iverilog", "-V"),
+        other => (other, "--version"),
+    };
+    let answer = process::Command::new(program).arg(argument).output();
+    let is_there = answer.is_ok_and(|output| output.status.success());
+    if !is_there {
+        assert!(
+            !in_ci(),
+            "{program} is not installed: `make tools` installs it"
+        );
+        println!("{program} is not installed: this part is left out");
+    }
+    is_there
+}
+
+/// A real height map by its file name. Where there are none, says so in one line; in CI that is a
+/// failure.
+pub fn real_map(file: &str) -> Option<PathBuf> {
+    let folder = real_maps(workspace()).expect("in CI the real height maps are there");
+    if folder.is_none() {
+        println!("no real height maps: this part is left out (set {MAPS_VARIABLE})");
+    }
+    folder.map(|folder| folder.join(file))
+}
+
+fn in_ci() -> bool {
+    env::var("CI").is_ok_and(|value| value == "true")
 }

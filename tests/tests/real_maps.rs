@@ -22,8 +22,7 @@ struct Subject {
 }
 
 fn subjects() -> Vec<Subject> {
-    let found =
-        real_maps(&tests::command_line::workspace()).expect("in CI the real maps are there");
+    let found = real_maps(tests::command_line::workspace()).expect("in CI the real maps are there");
     let Some(folder) = found else {
         println!("no real height maps: a procedural one stands in (set STEPWELL_MAPS)");
         let source = MapSource::parse("procedural:rocks:256:1").expect("a procedural map");
