@@ -6,7 +6,11 @@ use std::process::Output;
 use tests::command_line::{real_map, stepwell, tool_is_there, workspace};
 
 fn run(arguments: &[&str]) -> Output {
-    stepwell().current_dir(workspace()).args(arguments).output().expect("stepwell runs")
+    stepwell()
+        .current_dir(workspace())
+        .args(arguments)
+        .output()
+        .expect("stepwell runs")
 }
 
 fn code(output: &Output) -> i32 {
