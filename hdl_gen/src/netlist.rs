@@ -8,6 +8,8 @@
 
 use std::sync::Arc;
 
+use crate::identifier::is_identifier;
+
 /// A signal of one module: the result of one of its nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Wire(pub(crate) u32);
@@ -655,16 +657,84 @@ impl Builder {
             .collect()
     }
 
+    /// Signals, ports and instances of a module share one space of names with its clock and reset;
+    /// an output may have the name of the signal that drives it.
+    fn check_names(&self) {
+        let module = &self.module;
+        let mut seen = std::collections::HashSet::from(["clk_i", "rst_ni"]);
+        let check = |name: &str| {
+            assert!(
+                is_identifier(name),
+                "{}: `{name}` is no name in Verilog",
+                module.name
+            );
+        };
+        check(&module.name);
+        let signals = module.nodes.iter().filter_map(|node| node.name.as_deref());
+        let instances = module.instances.iter().map(|other| other.name.as_str());
+        let outputs = module.outputs.iter().filter_map(|(name, driver)| {
+            let own = module.node(*driver).name.as_ref() == Some(name);
+            (!own).then_some(name.as_str())
+        });
+        for name in signals.chain(instances).chain(outputs) {
+            check(name);
+            assert!(
+                seen.insert(name),
+                "{}: `{name}` names two things",
+                module.name
+            );
+        }
+    }
+
     /// The finished module.
     ///
     /// # Panics
-    /// If a register was never connected.
+    /// If a register was never connected, or a name is none in Verilog or stands for two things.
     pub fn finish(self) -> Arc<Module> {
+        self.check_names();
         for node in &self.module.nodes {
             if let Operation::Register { next: None, .. } = node.operation {
                 panic!("{}: a register that takes nothing", self.module.name);
             }
         }
         Arc::new(self.module)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn named(signal: &str, output: &str) -> Arc<Module> {
+        let mut b = Builder::new("named");
+        let a = b.input("a_i", 2);
+        let inverted = b.not(a);
+        b.name(inverted, signal);
+        b.output(output, a);
+        b.output("same_o", inverted);
+        b.finish()
+    }
+
+    #[test]
+    fn an_output_may_be_named_as_its_driver() {
+        assert_eq!(named("same_o", "y_o").outputs.len(), 2);
+    }
+
+    #[test]
+    #[should_panic(expected = "names two things")]
+    fn an_output_may_not_be_named_as_another_signal() {
+        named("inverted", "inverted");
+    }
+
+    #[test]
+    #[should_panic(expected = "names two things")]
+    fn the_clock_is_taken() {
+        named("clk_i", "y_o");
+    }
+
+    #[test]
+    #[should_panic(expected = "no name in Verilog")]
+    fn a_word_of_the_language_is_no_name() {
+        named("signed", "y_o");
     }
 }

@@ -1,8 +1,11 @@
 //! The emitted Verilog as text, and on disk.
 
 mod common;
+#[path = "common/tools.rs"]
+mod tools;
 
 use std::path::Path;
+use std::process::Command;
 use std::sync::Arc;
 
 use hdl_gen::emit::{EmitError, verilog, write_design};
@@ -30,6 +33,29 @@ fn expect_file(module: &Module) {
 fn emitted_text_is_as_committed() {
     expect_file(&common::leading_zeros());
     expect_file(&common::normalised_difference());
+}
+
+#[test]
+fn tools_read_it_without_a_word() {
+    let top = common::normalised_difference();
+    if tools::has_tool("verilator") {
+        assert_eq!(tools::lint(&top, &[]), "");
+    }
+    if tools::has_tool("yosys") {
+        let folder = tempfile::tempdir().unwrap();
+        let paths = write_design(&top, folder.path()).unwrap();
+        let files: Vec<_> = paths
+            .iter()
+            .map(|path| path.display().to_string())
+            .collect();
+        let script = format!(
+            "read_verilog {}; hierarchy -check -top {}; proc; check -assert",
+            files.join(" "),
+            top.name
+        );
+        let said = tools::run(Command::new("yosys").args(["-q", "-e", ".*", "-p", &script]));
+        assert_eq!(said, "");
+    }
 }
 
 #[test]

@@ -68,7 +68,7 @@ fn every_operation_at_hand_picked_values() {
         ("all", b.all_bits(a)),
     ];
     for (name, wire) in results {
-        b.output(name, wire);
+        b.output(&format!("{name}_o"), wire);
     }
     let mut simulator = Simulator::new(&b.finish()).unwrap();
     let mut expect = |inputs: [u64; 4], expected: &[(&str, u64)]| {
@@ -76,7 +76,11 @@ fn every_operation_at_hand_picked_values() {
             simulator.set(name, value).unwrap();
         }
         for &(name, value) in expected {
-            assert_eq!(simulator.get(name), Ok(value), "{name} of {inputs:?}");
+            assert_eq!(
+                simulator.get(&format!("{name}_o")),
+                Ok(value),
+                "{name} of {inputs:?}"
+            );
         }
     };
     expect(

@@ -4,10 +4,13 @@
 //! long as those stay short, and get a name made of what they are where not. What no output
 //! depends on is not printed. The files pass `verilator --lint-only -Wall` without waivers.
 
+mod definition;
 mod expression;
+mod known;
 mod naming;
 mod plan;
 mod print;
+mod shape;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -1,12 +1,15 @@
 //! What is printed where: which nodes are live, which get a signal of their own and under which
 //! name, which stand inside the expressions of their users, and which bits nothing reads.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashSet};
 
-use super::expression::{Expression, literal};
+use super::definition::select;
+use super::expression::Expression;
+use super::known::known_values;
 use super::naming;
+use super::shape::{Shape, live_nodes};
 use crate::identifier::is_identifier;
-use crate::netlist::{Module, Node, Operation, Wire};
+use crate::netlist::{Module, Operation, Wire};
 
 /// Operators an expression may hold before it gets a signal of its own.
 const OPERATORS_INLINE: u32 = 3;
@@ -18,7 +21,7 @@ const FARTHEST_READER: u32 = 6;
 
 /// How the users of a node refer to it.
 #[derive(Clone, Debug)]
-enum Reference {
+pub(super) enum Reference {
     /// By the name of its signal.
     Signal(String),
     /// By some bits of another node's signal, from this bit up.
@@ -63,11 +66,11 @@ pub(super) struct Plan<'m> {
     /// What the outputs that are no signal's own port are assigned.
     pub(super) outputs: Vec<(String, Expression)>,
     live: Vec<bool>,
-    known: Vec<Option<u64>>,
-    references: Vec<Option<Reference>>,
+    pub(super) known: Vec<Option<u64>>,
+    pub(super) references: Vec<Option<Reference>>,
     section_of: Vec<usize>,
     /// Bits of each signal that are read.
-    read: Vec<u64>,
+    pub(super) read: Vec<u64>,
     taken: HashSet<String>,
 }
 
@@ -228,11 +231,10 @@ impl<'m> Plan<'m> {
         if let Some(&output) = shape.output_of.get(&wire) {
             return self.module.outputs[output].0.clone();
         }
-        if let Some(register) = shape.register_of.get(&wire) {
-            if let Some(name) = self.given_name(*register, shape) {
-                let wanted = naming::next_of(name);
-                return naming::unique(&mut self.taken, wanted);
-            }
+        let register = shape.register_of.get(&wire);
+        if let Some(name) = register.and_then(|&register| self.given_name(register, shape)) {
+            let wanted = naming::next_of(name);
+            return naming::unique(&mut self.taken, wanted);
         }
         let reader = self.named_reader(wire, shape);
         let names = |operand: Wire| self.short_name(operand);
@@ -286,156 +288,6 @@ impl<'m> Plan<'m> {
                 _ => None,
             },
         }
-    }
-
-    /// A slice without a name: a select of the signal, or the bits of the literal.
-    fn slice(&self, from: Wire, low: u32, node: &Node) -> Reference {
-        match self.references[from.index()].clone() {
-            Some(Reference::Select { base, low: inner }) => self.slice(base, inner + low, node),
-            Some(Reference::Literal(value)) => {
-                Reference::Literal(value >> low & (u64::MAX >> (64 - node.width)))
-            }
-            _ => Reference::Select { base: from, low },
-        }
-    }
-
-    /// The text of a node where a user reads it; notes that its bits are read.
-    fn operand(&mut self, wire: Wire) -> Expression {
-        let width = self.module.width(wire);
-        match self.references[wire.index()].clone() {
-            Some(Reference::Signal(name)) => {
-                self.read[wire.index()] = u64::MAX;
-                Expression::Atom(name)
-            }
-            Some(Reference::Select { base, low }) => self.select(base, low, width),
-            Some(Reference::Literal(value)) => Expression::Atom(literal(value, width)),
-            Some(Reference::Inline(expression)) => expression,
-            // Only a node that stands before what it reads: no builder makes one.
-            None => Expression::Atom(format!("n{}", wire.index())),
-        }
-    }
-
-    /// Bits of a signal where a user reads them; notes that they are read.
-    fn select(&mut self, base: Wire, low: u32, count: u32) -> Expression {
-        self.read[base.index()] |= (u64::MAX >> (64 - count)) << low;
-        let name = self.signal(base).unwrap_or_default();
-        select(name, self.module.width(base), low, count)
-    }
-
-    /// The expression of a node's operation.
-    fn definition(&mut self, node: &Node, known: Option<u64>) -> Expression {
-        if let Some(value) = known {
-            return Expression::Atom(literal(value, node.width));
-        }
-        match &node.operation {
-            Operation::Not(a) => match self.operand(*a) {
-                Expression::Chain("==", sides) => Expression::Chain("!=", sides),
-                Expression::Chain("<", sides) => Expression::Chain(">=", sides),
-                Expression::Unary("!" | "~", twice) => *twice,
-                operand => {
-                    let operator = if node.width == 1 { "!" } else { "~" };
-                    Expression::Unary(operator, Box::new(operand))
-                }
-            },
-            Operation::And(a, b) => self.chain("&", *a, *b),
-            Operation::Or(a, b) => self.chain("|", *a, *b),
-            Operation::Xor(a, b) => self.chain("^", *a, *b),
-            Operation::Add(a, b) => self.chain("+", *a, *b),
-            Operation::Subtract(a, b) => self.chain("-", *a, *b),
-            Operation::ShiftLeft(a, b) => self.pair("<<", *a, *b),
-            Operation::ShiftRight(a, b) => self.pair(">>", *a, *b),
-            Operation::Equal(a, b) => self.pair("==", *a, *b),
-            Operation::LessThan(a, b) => self.pair("<", *a, *b),
-            Operation::Multiply(a, b) => {
-                // Operands as wide as the product, or Verilog would drop its upper half.
-                let sides = [*a, *b].map(|side| {
-                    let zeros = literal(0, node.width - self.module.width(side));
-                    Expression::Concat(vec![Expression::Atom(zeros), self.operand(side)])
-                });
-                Expression::Chain("*", sides.to_vec())
-            }
-            Operation::Mux {
-                select,
-                when_one,
-                when_zero,
-            } => {
-                let mut arms = vec![(self.operand(*select), self.operand(*when_one))];
-                match self.operand(*when_zero) {
-                    Expression::Choice(more, otherwise) => {
-                        arms.extend(more);
-                        Expression::Choice(arms, otherwise)
-                    }
-                    otherwise => Expression::Choice(arms, Box::new(otherwise)),
-                }
-            }
-            Operation::Concat(parts) => {
-                let mut texts = Vec::new();
-                for &part in parts {
-                    match self.operand(part) {
-                        Expression::Concat(inner) => texts.extend(inner),
-                        text => texts.push(text),
-                    }
-                }
-                match &texts[..] {
-                    [first, rest @ ..] if rest.len() > 1 && rest.iter().all(|t| t == first) => {
-                        Expression::Replicate(texts.len() as u32, Box::new(first.clone()))
-                    }
-                    _ => Expression::Concat(texts),
-                }
-            }
-            Operation::Slice { from, low } => match self.slice(*from, *low, node) {
-                Reference::Select { base, low } => self.select(base, low, node.width),
-                Reference::Literal(value) => Expression::Atom(literal(value, node.width)),
-                Reference::Signal(_) | Reference::Inline(_) => self.operand(*from),
-            },
-            Operation::SignExtend(from) => self.sign_extend(*from, node.width),
-            Operation::AnyBit(a) => Expression::Unary("|", Box::new(self.operand(*a))),
-            Operation::AllBits(a) => Expression::Unary("&", Box::new(self.operand(*a))),
-            Operation::Constant(value) => Expression::Atom(literal(*value, node.width)),
-            Operation::Input | Operation::Register { .. } | Operation::InstanceOutput { .. } => {
-                Expression::Atom(node.name.clone().unwrap_or_default())
-            }
-        }
-    }
-
-    fn pair(&mut self, operator: &'static str, a: Wire, b: Wire) -> Expression {
-        Expression::Chain(operator, vec![self.operand(a), self.operand(b)])
-    }
-
-    /// `a op b`, where a chain of the same operator on the left goes on without parentheses.
-    fn chain(&mut self, operator: &'static str, a: Wire, b: Wire) -> Expression {
-        let b = self.operand(b);
-        match self.operand(a) {
-            Expression::Chain(inner, mut operands) if inner == operator => {
-                operands.push(b);
-                Expression::Chain(operator, operands)
-            }
-            a => Expression::Chain(operator, vec![a, b]),
-        }
-    }
-
-    fn sign_extend(&mut self, from: Wire, width: u32) -> Expression {
-        let own = self.module.width(from);
-        let whole = self.operand(from);
-        let sign = match &self.references[from.index()] {
-            Some(Reference::Select { base, low }) => {
-                let name = self.signal(*base).unwrap_or_default();
-                select(name, self.module.width(*base), low + own - 1, 1)
-            }
-            Some(Reference::Literal(value)) => Expression::Atom(literal(value >> (own - 1), 1)),
-            _ => match &whole {
-                Expression::Atom(name) => select(name, own, own - 1, 1),
-                other => other.clone(),
-            },
-        };
-        if own == 1 {
-            return Expression::Replicate(width, Box::new(whole));
-        }
-        let copies = match width - own {
-            1 => sign,
-            more => Expression::Replicate(more, Box::new(sign)),
-        };
-        Expression::Concat(vec![copies, whole])
     }
 
     /// May the expression stand where its node is used?
@@ -557,17 +409,7 @@ impl<'m> Plan<'m> {
     }
 }
 
-/// The bits `low` up of a signal of `width` bits, `count` of them; a signal of one bit has none.
-fn select(name: &str, width: u32, low: u32, count: u32) -> Expression {
-    Expression::Atom(if count == width {
-        name.to_owned()
-    } else if count == 1 {
-        format!("{name}[{low}]")
-    } else {
-        format!("{name}[{}:{low}]", low + count - 1)
-    })
-}
-
+/// How many operators an expression has; inverting a name is none.
 fn operators(expression: &Expression) -> u32 {
     match expression {
         Expression::Atom(_) => 0,
@@ -581,136 +423,5 @@ fn operators(expression: &Expression) -> u32 {
         }
         Expression::Concat(parts) => parts.iter().map(operators).sum(),
         Expression::Replicate(_, a) => operators(a),
-    }
-}
-
-/// The nodes whose value is plain to see: constants, and comparisons no operand can decide. Lint
-/// tools ask what such a comparison is for.
-fn known_values(module: &Module) -> Vec<Option<u64>> {
-    let mut known: Vec<Option<u64>> = Vec::with_capacity(module.nodes.len());
-    for node in &module.nodes {
-        // A register's operands may stand behind it; all others are there already.
-        let of = |wire: &Wire| known.get(wire.index()).copied().flatten();
-        known.push(match &node.operation {
-            Operation::Constant(value) => Some(*value),
-            Operation::Slice { from, low } => {
-                of(from).map(|value| value >> low & (u64::MAX >> (64 - node.width)))
-            }
-            Operation::LessThan(a, b) => {
-                let greatest = u64::MAX >> (64 - module.width(*a));
-                (of(a) == Some(greatest) || of(b) == Some(0)).then_some(0)
-            }
-            _ => None,
-        });
-    }
-    known
-}
-
-/// What the outputs depend on, registers and instances included.
-fn live_nodes(module: &Module, known: &[Option<u64>]) -> Vec<bool> {
-    let mut live = vec![false; module.nodes.len()];
-    let mut pending: Vec<Wire> = module.outputs.iter().map(|&(_, wire)| wire).collect();
-    while let Some(wire) = pending.pop() {
-        if std::mem::replace(&mut live[wire.index()], true) || known[wire.index()].is_some() {
-            continue;
-        }
-        match &module.node(wire).operation {
-            Operation::InstanceOutput { instance, .. } => {
-                pending.extend(&module.instances[*instance].inputs);
-            }
-            operation => pending.extend(operation.operands()),
-        }
-    }
-    live
-}
-
-/// Who uses what, before anything has a text.
-struct Shape {
-    /// How often a live node is printed.
-    uses: Vec<u32>,
-    users: Vec<Option<Wire>>,
-    /// Nodes of which bits are selected.
-    needs_signal: HashSet<Wire>,
-    /// The first register that takes a node.
-    register_of: HashMap<Wire, Wire>,
-    /// The output port that an unnamed node is.
-    output_of: HashMap<Wire, usize>,
-    /// By instance: the live nodes of its outputs.
-    instance_outputs: Vec<HashMap<usize, Wire>>,
-}
-
-impl Shape {
-    fn new(module: &Module, live: &[bool], known: &[Option<u64>]) -> Shape {
-        let mut shape = Shape {
-            uses: vec![0; live.len()],
-            users: vec![None; live.len()],
-            needs_signal: HashSet::new(),
-            register_of: HashMap::new(),
-            output_of: HashMap::new(),
-            instance_outputs: vec![HashMap::new(); module.instances.len()],
-        };
-        let mut enables = HashSet::new();
-        let live_wires = || (0..live.len()).filter(|&i| live[i]).map(|i| Wire(i as u32));
-        for wire in live_wires() {
-            let node = module.node(wire);
-            if known[wire.index()].is_some() {
-                continue;
-            }
-            match &node.operation {
-                Operation::Register {
-                    next,
-                    enable,
-                    reset,
-                } => {
-                    shape.use_all(next, wire);
-                    if let Some(next) = next {
-                        shape.register_of.entry(*next).or_insert(wire);
-                    }
-                    // Registers with the same enable share the line it stands in.
-                    let group = (node.section, *enable, reset.is_some());
-                    if enables.insert(group) {
-                        shape.use_all(enable, wire);
-                    }
-                    continue;
-                }
-                Operation::InstanceOutput { instance, output } => {
-                    shape.instance_outputs[*instance].insert(*output, wire);
-                }
-                Operation::Slice { from, .. } | Operation::SignExtend(from) => {
-                    shape.needs_signal.insert(*from);
-                }
-                _ => {}
-            }
-            shape.use_all(&node.operation.operands(), wire);
-        }
-        for (instance, outputs) in module.instances.iter().zip(&shape.instance_outputs) {
-            if !outputs.is_empty() {
-                for &input in &instance.inputs {
-                    // No node is the user: an instance is none.
-                    shape.uses[input.index()] += 1;
-                    shape.users[input.index()] = None;
-                }
-            }
-        }
-        for (index, &(_, wire)) in module.outputs.iter().enumerate() {
-            let node = module.node(wire);
-            let own = !matches!(node.operation, Operation::Input | Operation::Slice { .. });
-            if own && known[wire.index()].is_none() && node.name.is_none() {
-                shape.output_of.entry(wire).or_insert(index);
-            }
-        }
-        shape
-    }
-
-    fn use_all<'w>(&mut self, wires: impl IntoIterator<Item = &'w Wire>, user: Wire) {
-        for &wire in wires {
-            self.uses[wire.index()] += 1;
-            self.users[wire.index()] = Some(user);
-        }
-    }
-
-    /// The one node that reads this one, if it is one.
-    fn only_user(&self, wire: Wire) -> Option<Wire> {
-        self.users[wire.index()].filter(|_| self.uses[wire.index()] == 1)
     }
 }

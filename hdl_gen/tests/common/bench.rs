@@ -3,37 +3,11 @@
 
 use std::fmt::Write;
 use std::path::Path;
-use std::process::Command;
 use std::sync::Arc;
 
 use hdl_gen::emit::{verilog, write_design};
 use hdl_gen::netlist::Module;
 use hdl_gen::simulate::Simulator;
-
-/// Is the tool there? A missing one is told and the test passes over it, but not where CI=true.
-pub fn has_tool(tool: &str) -> bool {
-    let found = Command::new(tool).arg("-V").output().is_ok();
-    let strict = std::env::var("CI").is_ok_and(|value| value == "true");
-    assert!(
-        found || !strict,
-        "{tool} is not installed, and CI must have it"
-    );
-    if !found {
-        println!("{tool} is not installed: this check is left out");
-    }
-    found
-}
-
-/// Runs a tool and answers its standard output; anything else than plain success is a failure.
-pub fn run(command: &mut Command) -> String {
-    let output = command.output().unwrap();
-    let (out, err) = (
-        String::from_utf8_lossy(&output.stdout),
-        String::from_utf8_lossy(&output.stderr),
-    );
-    assert!(output.status.success(), "{command:?}\n{out}\n{err}");
-    out.into_owned()
-}
 
 /// Random stimuli: by cycle, by design, the reset and the value of each input.
 pub type Stimuli = Vec<Vec<(u64, Vec<u64>)>>;

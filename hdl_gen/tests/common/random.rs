@@ -111,13 +111,7 @@ fn build(name: &str, recipe: &Recipe, library: &[Arc<Module>]) -> Arc<Module> {
                     4 => b.add(x, y),
                     5 => b.subtract(x, y),
                     9 => b.equal(x, y),
-                    _ => {
-                        // As signals of their own: a comparison with what a lint tool can work
-                        // out to be 0, such as `a < (a - a)`, is rightly complained of.
-                        b.name(x, format!("left{index}"));
-                        b.name(y, format!("right{index}"));
-                        b.less_than(x, y)
-                    }
+                    _ => b.less_than(x, y),
                 }
             }
             6 => {
@@ -127,8 +121,16 @@ fn build(name: &str, recipe: &Recipe, library: &[Arc<Module>]) -> Arc<Module> {
                 let y = fit(&mut b, y, other);
                 b.multiply(x, y)
             }
-            7 => b.shift_left(x, y),
-            8 => b.shift_right(x, y),
+            kind @ 7..=8 => {
+                // Verilator takes no amount above 32 bits, should it work out its value.
+                let amount = b.width(y).min(32);
+                let y = fit(&mut b, y, amount);
+                if kind == 7 {
+                    b.shift_left(x, y)
+                } else {
+                    b.shift_right(x, y)
+                }
+            }
             11 | 12 => {
                 let y = fit(&mut b, y, width);
                 let select = b.any_bit(z);

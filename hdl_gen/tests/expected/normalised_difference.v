@@ -67,14 +67,14 @@ module normalised_difference (
 
     wire [7:0] normalised_next = magnitude_q << counter_count;
     wire [6:0] exponent_next   = EXPONENT_BIAS - {3'd0, counter_count};
-    wire       and_n38         = ({{3{exponent_next[6]}}, exponent_next} < 10'h3c0) &
+    wire       flag_and        = ({{3{exponent_next[6]}}, exponent_next} < 10'h3c0) &
                                  (normalised_next == high_product_q);
 
     always @(posedge clk_i) begin
         if (!rst_ni) begin
             flag_o <= 1'b1;
         end else begin
-            flag_o <= and_n38 | high_product_q[0];
+            flag_o <= flag_and | high_product_q[0];
         end
     end
 

@@ -1,0 +1,230 @@
+//! One ray after another through a map, in a number format chosen at run time.
+//!
+//! # How a ray enters a format
+//!
+//! A ray of the outside world is four `f64`. [`Walker::admit`] refuses what no unit can walk and
+//! reduces the entry to the first repeat of the map, [0, 1). [`Walker::walk`] then rounds each
+//! number once: `u` and `v` toward zero, so that an entry stays in the first repeat and in its
+//! texel or before it; `du` and `dv` to nearest ([`NumberFormat`]). In `f64` and in exact numbers
+//! nothing is lost. The walk that follows is the ray's so rounded, and so is its hit.
+
+use thiserror::Error;
+
+use crate::float::{FloatFormat, Rounding};
+use crate::maps::Pyramid;
+use crate::ray::{self, Ray, RayError};
+use crate::readings::{E7F16, ExactReading, F64Reading, FloatReading, NumberFormat};
+use crate::scene::{Method, Walk, WalkFormat};
+use crate::units::traverse::{self, Hit};
+
+/// Why a ray cannot be walked in a format.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum AdmissionError {
+    /// No format can walk it.
+    #[error(transparent)]
+    Ray(#[from] RayError),
+    /// This format cannot hold it.
+    #[error(
+        "ray: `{component}` is {value}, which {format} cannot hold (its largest number is {most}): \
+         take a format with more exponent bits, or a steeper ray"
+    )]
+    BeyondFormat {
+        /// The component's name: du or dv.
+        component: &'static str,
+        /// What it was.
+        value: f64,
+        /// The format.
+        format: FloatFormat,
+        /// The largest finite number of the format.
+        most: f64,
+    },
+}
+
+/// The readings that a walk can be computed in. Each is compiled on its own, so the choice costs
+/// one branch a ray.
+enum Reading {
+    E7f16(FloatReading<E7F16>),
+    Float(FloatReading<FloatFormat>),
+    F64(F64Reading),
+    Exact(ExactReading),
+}
+
+/// Walks rays through one map. It keeps what its reading needs from ray to ray, so that walking
+/// allocates nothing but the rationals of the exact format; each thread has its own.
+pub struct Walker<'a> {
+    pyramid: &'a Pyramid,
+    reading: Reading,
+}
+
+impl<'a> Walker<'a> {
+    /// A walker of this method and format through the map under `pyramid`.
+    pub fn new(walk: Walk, pyramid: &'a Pyramid) -> Walker<'a> {
+        // The one method there is. Another one will not compile until it is chosen here.
+        let Method::Oh = walk.method;
+        let reading = match walk.format {
+            WalkFormat::Float(FloatFormat::E7F16) => Reading::E7f16(FloatReading(E7F16)),
+            WalkFormat::Float(format) => Reading::Float(FloatReading(format)),
+            WalkFormat::F64 => Reading::F64(F64Reading),
+            WalkFormat::Exact => Reading::Exact(ExactReading::default()),
+        };
+        Walker { pyramid, reading }
+    }
+
+    /// The ray as it can be walked: checked by [`ray::check`], its entry reduced to [0, 1).
+    ///
+    /// # Errors
+    /// A component that is not finite, a direction beyond the unit's reach on this map or beyond
+    /// the format's largest number.
+    pub fn admit(&self, ray: Ray<f64>) -> Result<Ray<f64>, AdmissionError> {
+        let ray = ray::check(ray, self.pyramid.size())?;
+        let format = match &self.reading {
+            Reading::E7f16(reading) => reading.format(),
+            Reading::Float(reading) => reading.format(),
+            Reading::F64(_) | Reading::Exact(_) => return Ok(ray),
+        };
+        for (component, value) in [("du", ray.du), ("dv", ray.dv)] {
+            if format.is_infinite(format.from_f64(Rounding::NearestEven, value)) {
+                return Err(AdmissionError::BeyondFormat {
+                    component,
+                    value,
+                    format,
+                    most: format.to_f64(format.max_finite()),
+                });
+            }
+        }
+        Ok(ray)
+    }
+
+    /// Walks a ray that [`Walker::admit`] has let pass. `t`, `u` and `v` of the hit are those of
+    /// the format, which an `f64` holds exactly; of the exact format, the nearest `f64`.
+    pub fn walk(&mut self, admitted: Ray<f64>) -> Hit<f64> {
+        match &mut self.reading {
+            Reading::E7f16(reading) => walk_in(reading, self.pyramid, admitted),
+            Reading::Float(reading) => walk_in(reading, self.pyramid, admitted),
+            Reading::F64(reading) => walk_in(reading, self.pyramid, admitted),
+            Reading::Exact(reading) => walk_in(reading, self.pyramid, admitted),
+        }
+    }
+}
+
+fn walk_in<R: NumberFormat>(reading: &mut R, pyramid: &Pyramid, ray: Ray<f64>) -> Hit<f64> {
+    reading.forget();
+    let ray = Ray {
+        u: reading.coordinate(ray.u),
+        v: reading.coordinate(ray.v),
+        du: reading.direction(ray.du),
+        dv: reading.direction(ray.dv),
+    };
+    let hit = traverse::walk(reading, pyramid, pyramid.memory(), ray);
+    Hit {
+        i: hit.i,
+        j: hit.j,
+        t: reading.to_f64(hit.t),
+        u: reading.to_f64(hit.u),
+        v: reading.to_f64(hit.v),
+        steps: hit.steps,
+        crossings: hit.crossings,
+        status: hit.status,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exact::exact_hit;
+    use crate::maps::{Channel, HeightMap, MapSource};
+    use crate::units::traverse::Status;
+    use proptest::prelude::*;
+
+    fn map() -> HeightMap {
+        let source: MapSource = "procedural:spikes:32:3".parse().unwrap();
+        source.load(Channel::Grey, false).unwrap()
+    }
+
+    fn walk_of(format: &str) -> Walk {
+        Walk {
+            method: Method::Oh,
+            format: format.parse().unwrap(),
+        }
+    }
+
+    #[test]
+    fn a_compiled_format_walks_as_the_one_chosen_at_run_time() {
+        let map = map();
+        let pyramid = Pyramid::new(&map);
+        let mut compiled = Walker::new(walk_of("e7f16"), &pyramid);
+        assert!(matches!(compiled.reading, Reading::E7f16(_)));
+        let mut chosen = Walker {
+            pyramid: &pyramid,
+            reading: Reading::Float(FloatReading(FloatFormat::E7F16)),
+        };
+        for n in 0..200 {
+            let n = f64::from(n);
+            let ray = Ray {
+                u: n * 0.013,
+                v: n * 0.029,
+                du: (n * 0.7).sin() * 3.0,
+                dv: (n * 1.3).cos(),
+            };
+            let ray = compiled.admit(ray).unwrap();
+            assert_eq!(compiled.walk(ray), chosen.walk(ray));
+        }
+    }
+
+    #[test]
+    fn a_direction_the_format_cannot_hold_is_refused_with_its_range() {
+        let map = map();
+        let pyramid = Pyramid::new(&map);
+        let ray = Ray {
+            u: 0.5,
+            v: 0.5,
+            du: 1.0,
+            dv: -300.0,
+        };
+        assert!(Walker::new(walk_of("e7f16"), &pyramid).admit(ray).is_ok());
+        let message = Walker::new(walk_of("e4f3"), &pyramid)
+            .admit(ray)
+            .unwrap_err()
+            .to_string();
+        assert!(message.contains("`dv` is -300"), "{message}");
+        assert!(message.contains("largest number is 240"), "{message}");
+    }
+
+    proptest! {
+        #[test]
+        fn the_exact_format_finds_the_hit_of_the_definition(
+            u in 0.0..1.0f64, v in 0.0..1.0f64, du in -4.0..4.0f64, dv in -4.0..4.0f64,
+        ) {
+            let map = map();
+            let pyramid = Pyramid::new(&map);
+            let mut walker = Walker::new(walk_of("exact"), &pyramid);
+            let ray = walker.admit(Ray { u, v, du, dv }).unwrap();
+            let hit = walker.walk(ray);
+            let truth = exact_hit(&map, ray).unwrap();
+            prop_assert_eq!((hit.i, hit.j), (truth.i, truth.j));
+            prop_assert!((hit.t - truth.t.to_f64()).abs() < 1e-15);
+            prop_assert_eq!(hit.status, Status::Hit);
+        }
+
+        /// A format too coarse for its map walks badly; it must not go astray in this program.
+        #[test]
+        fn every_format_ends_every_admitted_walk(
+            exponent in 2u32..12, fraction in 2u32..53,
+            u: f64, v: f64, du: f64, dv: f64,
+        ) {
+            let map = map();
+            let pyramid = Pyramid::new(&map);
+            let format = WalkFormat::Float(FloatFormat::new(exponent, fraction));
+            let mut walker = Walker::new(Walk { method: Method::Oh, format }, &pyramid);
+            if let Ok(ray) = walker.admit(Ray { u, v, du, dv }) {
+                let hit = walker.walk(ray);
+                prop_assert!(hit.i < 32 && hit.j < 32);
+            }
+            let ray = Ray { u: u.sin(), v: v.sin(), du: 8.0 * du.sin(), dv: 8.0 * dv.sin() };
+            if ray.u.is_finite() && ray.v.is_finite() && let Ok(ray) = walker.admit(ray) {
+                let hit = walker.walk(ray);
+                prop_assert!(hit.i < 32 && hit.j < 32);
+            }
+        }
+    }
+}

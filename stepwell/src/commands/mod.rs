@@ -1,0 +1,37 @@
+//! The commands, one a file.
+
+mod plan;
+mod render;
+mod trace;
+
+use clap::Subcommand;
+
+/// How a command that ran came out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// All is as it must be: exit code 0.
+    Agreed,
+    /// Something differs from what it must be, or a walk found no hit: exit code 1.
+    Disagreed,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    Render(render::Arguments),
+    Trace(trace::Arguments),
+    Plan(plan::Arguments),
+}
+
+impl Command {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// Whatever kept it from running, as one message: exit code 2.
+    pub fn run(self) -> anyhow::Result<Outcome> {
+        match self {
+            Command::Render(arguments) => render::run(arguments),
+            Command::Trace(arguments) => trace::run(arguments),
+            Command::Plan(arguments) => plan::run(arguments),
+        }
+    }
+}

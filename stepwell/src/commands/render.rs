@@ -1,0 +1,141 @@
+//! `stepwell render`: pictures and counts of a scene from the golden model.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use serde::Serialize;
+
+use rtl_model::frame::{Frame, walk_scene};
+use rtl_model::maps::{HeightMap, Pyramid};
+use rtl_model::picture::{depth_picture, save_png, shaded_picture, steps_picture};
+use rtl_model::scene::Scene;
+
+use super::Outcome;
+use crate::options::{AnswerOptions, SceneOptions, ThreadOptions};
+use crate::output::OutputFolder;
+use crate::summary::{WalkSummary, json, table};
+use crate::{progress, terminal};
+
+/// Pictures (shaded, steps, depth) and counts of a scene, from the golden model
+///
+/// Walks the view ray of every pixel in the scene's number format, bit for bit as the hardware
+/// does, and writes shaded.png, steps.png and depth.png: all three or none. Exit code 1 says that
+/// some ray found no hit within the step bound.
+#[derive(Args, Debug)]
+#[command(after_help = "Example: stepwell render scenes/first.toml -o out/first")]
+pub struct Arguments {
+    #[command(flatten)]
+    scene: SceneOptions,
+
+    /// Folder for the pictures, made if missing; out/NAME of the scene unless told
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+
+    #[command(flatten)]
+    threads: ThreadOptions,
+
+    #[command(flatten)]
+    answer: AnswerOptions,
+}
+
+const PICTURES: [&str; 3] = ["shaded.png", "steps.png", "depth.png"];
+
+/// The JSON of a render: that of the walk, and what it was a walk of.
+#[derive(Serialize)]
+struct Summary {
+    #[serde(flatten)]
+    walk: WalkSummary,
+    scene: String,
+    width: u32,
+    height: u32,
+    pictures: Vec<PathBuf>,
+}
+
+/// Renders the scene.
+pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
+    let scene = arguments.scene.load()?;
+    let map = scene.load_map()?;
+    let path = match arguments.output {
+        Some(path) => path,
+        None => Path::new("out").join(&scene.name),
+    };
+    let folder = OutputFolder::prepare(&path)?;
+
+    let pyramid = Pyramid::new(&map);
+    let pixels = u64::from(scene.frame.width) * u64::from(scene.frame.height);
+    let bar = progress::bar(pixels, "pixels");
+    let start = Instant::now();
+    let walked = arguments
+        .threads
+        .run(|| walk_scene(&scene, &pyramid, &|pixels| bar.inc(pixels)))?;
+    let time = start.elapsed();
+    bar.finish_and_clear();
+    let frame = walked?;
+
+    folder.publish(|folder| save_pictures(folder, &scene, &map, &frame))?;
+    let summary = Summary {
+        walk: WalkSummary::new(
+            "stepwell-render-1",
+            &scene.map.source,
+            scene.walk,
+            &frame.counts,
+            time,
+        ),
+        scene: scene.name,
+        width: frame.width,
+        height: frame.height,
+        pictures: PICTURES.iter().map(|name| path.join(name)).collect(),
+    };
+    let text = if arguments.answer.json {
+        json(&summary)?
+    } else {
+        summary.table(&scene.map.source.to_string(), frame.counts.rays)
+    };
+    terminal::answer(|output| output.write_all(text.as_bytes()))?;
+    Ok(summary.walk.outcome())
+}
+
+fn save_pictures(
+    folder: &Path,
+    scene: &Scene,
+    map: &HeightMap,
+    frame: &Frame,
+) -> anyhow::Result<()> {
+    let drawn = frame.to_picture()?;
+    let title = format!(
+        "{}, {} in {}",
+        scene.name, scene.walk.method, scene.walk.format
+    );
+    let pictures = [
+        shaded_picture(&drawn, map, &scene.surface, &scene.light),
+        steps_picture(&drawn, &title, None),
+        depth_picture(&drawn, &title, None),
+    ];
+    for (name, picture) in PICTURES.iter().zip(&pictures) {
+        save_png(picture, &folder.join(name))?;
+    }
+    Ok(())
+}
+
+impl Summary {
+    fn table(&self, map: &str, rays: u64) -> String {
+        let pixels = u64::from(self.width) * u64::from(self.height);
+        let mut rows = vec![
+            ("scene", self.scene.clone()),
+            ("map", map.to_owned()),
+            (
+                "frame",
+                format!(
+                    "{} x {} pixels, {rays} of {pixels} with a ray",
+                    self.width, self.height
+                ),
+            ),
+        ];
+        rows.extend(self.walk.rows());
+        let names = std::iter::once("pictures").chain(std::iter::repeat(""));
+        let paths = self.pictures.iter().map(|path| path.display().to_string());
+        rows.extend(names.zip(paths));
+        table(&rows)
+    }
+}

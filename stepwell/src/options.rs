@@ -1,0 +1,175 @@
+//! Options that several commands share, and what they do to a scene.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use anyhow::Context;
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
+use rtl_model::calibration::CAMERAS;
+use rtl_model::camera::Camera;
+use rtl_model::maps::{Channel, MapSource};
+use rtl_model::scene::{FrameSize, MAX_FRAME_SIDE, Method, Scene, SceneMap, WalkFormat};
+
+/// Which height map.
+#[derive(Args, Clone, Debug)]
+pub struct MapOptions {
+    /// Height map: a PNG, TGA or PGM file, or procedural:NAME:SIZE:SEED such as
+    /// procedural:rocks:256:1; of a scene, it replaces the scene's map
+    #[arg(long, value_name = "MAP")]
+    pub map: Option<MapSource>,
+
+    /// Part of the image that is the height: alpha, red, or grey, which is the default
+    #[arg(long, value_name = "CHANNEL", requires = "map")]
+    pub channel: Option<Channel>,
+
+    /// Take black as high
+    #[arg(long, requires = "map")]
+    pub white_is_low: bool,
+}
+
+impl MapOptions {
+    /// The map asked for, if there is one.
+    pub fn chosen(&self) -> Option<SceneMap> {
+        Some(SceneMap {
+            source: self.map.clone()?,
+            channel: self.channel.unwrap_or_default(),
+            white_is_low: self.white_is_low,
+        })
+    }
+}
+
+/// A scene file, and what is replaced in it.
+#[derive(Args, Clone, Debug)]
+pub struct SceneOptions {
+    /// Scene file (TOML)
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+
+    #[command(flatten)]
+    pub map: MapOptions,
+
+    /// Replace the scene's number format: eXfY with X exponent and Y fraction bits, such as e7f16,
+    /// or f64, or exact
+    #[arg(long, value_name = "FORMAT")]
+    pub format: Option<WalkFormat>,
+
+    /// Replace the scene's traversal: oh
+    #[arg(long, value_name = "METHOD")]
+    pub method: Option<Method>,
+
+    /// Replace the scene's camera by a calibrated one
+    #[arg(long, value_name = "CAMERA", value_parser = camera_parser())]
+    pub camera: Option<Camera>,
+
+    /// Replace the scene's frame, in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT")]
+    pub size: Option<Size>,
+}
+
+impl SceneOptions {
+    /// Reads the scene and replaces in it what the options say.
+    pub fn load(&self) -> anyhow::Result<Scene> {
+        let mut scene = Scene::load(&self.scene)?;
+        if let Some(map) = self.map.chosen() {
+            scene.map = map;
+        }
+        if let Some(format) = self.format {
+            scene.walk.format = format;
+        }
+        if let Some(method) = self.method {
+            scene.walk.method = method;
+        }
+        if let Some(camera) = self.camera {
+            scene.camera = camera;
+        }
+        if let Some(Size(size)) = self.size {
+            scene.frame = size;
+        }
+        Ok(scene)
+    }
+}
+
+fn camera_parser() -> impl TypedValueParser<Value = Camera> {
+    PossibleValuesParser::new(CAMERAS.map(|(name, _)| name)).try_map(|name| {
+        let camera = CAMERAS.iter().find(|(known, _)| *known == name);
+        camera.map(|(_, camera)| *camera).ok_or("no such camera")
+    })
+}
+
+/// A frame's size as `WIDTHxHEIGHT`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size(pub FrameSize);
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let side = |text: &str| {
+            let pixels = text.parse().ok()?;
+            (1..=MAX_FRAME_SIDE).contains(&pixels).then_some(pixels)
+        };
+        text.split_once('x')
+            .and_then(|(width, height)| {
+                Some(Size(FrameSize {
+                    width: side(width)?,
+                    height: side(height)?,
+                }))
+            })
+            .ok_or_else(|| {
+                format!(
+                    "it is written WIDTHxHEIGHT, such as 320x240, with 1 to {MAX_FRAME_SIDE} pixels \
+                     a side"
+                )
+            })
+    }
+}
+
+/// How many processors to use.
+#[derive(Args, Clone, Debug)]
+pub struct ThreadOptions {
+    /// Threads to compute with; all processors unless told. Results do not depend on it
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+}
+
+impl ThreadOptions {
+    /// Does `work` with so many threads.
+    pub fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> anyhow::Result<T> {
+        // Zero is rayon's word for all processors.
+        let threads = self.threads.map_or(0, NonZeroUsize::get);
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map(|pool| pool.install(work))
+            .with_context(|| format!("--threads {threads}: cannot start them; ask for fewer"))
+    }
+}
+
+/// How the command answers.
+#[derive(Args, Clone, Debug)]
+pub struct AnswerOptions {
+    /// Print the summary as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read_within_their_range() {
+        let size = |width, height| Ok(Size(FrameSize { width, height }));
+        assert_eq!("320x240".parse(), size(320, 240));
+        assert_eq!("1x8192".parse(), size(1, 8192));
+        for text in [
+            "", "320", "320x", "x240", "0x5", "8193x1", "-3x4", "3X4", "3x4x5",
+        ] {
+            let message = text.parse::<Size>().unwrap_err();
+            assert!(message.contains("such as 320x240"), "{text}: {message}");
+        }
+    }
+}
