@@ -67,6 +67,11 @@ fn a_design_is_written_one_module_a_file() {
     assert_eq!(names, ["leading_zeros_8.v", "normalised_difference.v"]);
     let on_disk = std::fs::read_dir(&dir).unwrap().count();
     assert_eq!(on_disk, 2, "nothing else is left there");
+    // Written over what was there.
+    assert_eq!(
+        write_design(&common::normalised_difference(), &dir).unwrap(),
+        paths
+    );
     let text = std::fs::read_to_string(&paths[0]).unwrap();
     assert!(text.contains(&format!(
         "Emitted by stepwell {}",

@@ -10,9 +10,16 @@ use rtl_model::units::traverse::shape_for;
 
 #[test]
 fn verilator_agrees() {
-    let map = MapSource::parse("procedural:rocks:64:1").unwrap().load(Channel::Grey, false).unwrap();
+    let map = MapSource::parse("procedural:rocks:64:1")
+        .unwrap()
+        .load(Channel::Grey, false)
+        .unwrap();
     let pyramid = Pyramid::new(&map);
-    let unit = TraverseUnit::build(UnitConfiguration { shape: shape_for(&pyramid), format: FloatFormat::E7F16, latencies: OperatorLatencies::PAPER });
+    let unit = TraverseUnit::build(UnitConfiguration {
+        shape: shape_for(&pyramid),
+        format: FloatFormat::E7F16,
+        latencies: OperatorLatencies::PAPER,
+    });
     let mut reading = FloatReading(E7F16);
     let rays: Vec<_> = (0..100_000)
         .map(|k| {
@@ -25,10 +32,18 @@ fn verilator_agrees() {
             }
         })
         .collect();
-    let run = GoldenRun { pyramid: &pyramid, rays: &rays, stalls: StallPattern::one_in_eight(7), latency: unit.latency };
+    let run = GoldenRun {
+        pyramid: &pyramid,
+        rays: &rays,
+        stalls: StallPattern::one_in_eight(7),
+        latency: unit.latency,
+    };
     let start = std::time::Instant::now();
     let mut n = 0;
-    run.run(E7F16, |_, _, w| { n += w.0.len(); std::ops::ControlFlow::Continue(()) });
+    run.run(E7F16, |_, _, w| {
+        n += w.0.len();
+        std::ops::ControlFlow::Continue(())
+    });
     println!("golden alone {:?} words {n}", start.elapsed());
     let v = Verilator::find().unwrap();
     let start = std::time::Instant::now();

@@ -13,7 +13,7 @@ use thiserror::Error;
 use crate::float::{FloatFormat, Rounding};
 use crate::maps::Pyramid;
 use crate::ray::{self, Ray, RayError};
-use crate::readings::{E7F16, ExactReading, F64Reading, FloatReading, NumberFormat};
+use crate::readings::{E7F16, ExactReading, F64Reading, FloatReading, NumberFormat, enter};
 use crate::scene::{Method, Walk, WalkFormat};
 use crate::units::traverse::{self, Hit};
 
@@ -109,12 +109,7 @@ impl<'a> Walker<'a> {
 
 fn walk_in<R: NumberFormat>(reading: &mut R, pyramid: &Pyramid, ray: Ray<f64>) -> Hit<f64> {
     reading.forget();
-    let ray = Ray {
-        u: reading.coordinate(ray.u),
-        v: reading.coordinate(ray.v),
-        du: reading.direction(ray.du),
-        dv: reading.direction(ray.dv),
-    };
+    let ray = enter(reading, ray);
     let hit = traverse::walk(reading, pyramid, pyramid.memory(), ray);
     Hit {
         i: hit.i,

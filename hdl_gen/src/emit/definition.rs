@@ -49,6 +49,8 @@ impl Plan<'_> {
                 Expression::Chain("==", sides) => Expression::Chain("!=", sides),
                 Expression::Chain("<", sides) => Expression::Chain(">=", sides),
                 Expression::Unary("!" | "~", twice) => *twice,
+                Expression::Unary("|", a) => Expression::Unary("~|", a),
+                Expression::Unary("&", a) => Expression::Unary("~&", a),
                 operand => {
                     let operator = if node.width == 1 { "!" } else { "~" };
                     Expression::Unary(operator, Box::new(operand))

@@ -12,7 +12,7 @@ pub(super) const LINE: usize = 96;
 pub(super) enum Expression {
     /// A name, a select or a literal.
     Atom(String),
-    /// `!a`, `~a`, `|a`, `&a`.
+    /// `!a`, `~a`, `|a`, `&a`, `~|a`, `~&a`.
     Unary(&'static str, Box<Expression>),
     /// `a + b + c`; more than two operands only where the operator allows it from left to right.
     Chain(&'static str, Vec<Expression>),

@@ -12,7 +12,6 @@ mod plan;
 mod print;
 mod shape;
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -61,23 +60,19 @@ pub fn write_design(top: &Arc<Module>, dir: &Path) -> Result<Vec<PathBuf>, EmitE
         move |source| EmitError::Write { path, source }
     };
     std::fs::create_dir_all(dir).map_err(failed(dir))?;
+    let unfinished = tempfile::tempdir_in(dir).map_err(failed(dir))?;
     let mut written = Vec::new();
     for module in &modules {
-        let path = dir.join(format!("{}.v", module.name));
-        let mut file = tempfile::Builder::new()
-            .prefix(&module.name)
-            .suffix(".part")
-            .tempfile_in(dir)
-            .map_err(failed(&path))?;
+        let name = format!("{}.v", module.name);
+        let path = unfinished.path().join(&name);
         let text = verilog(module, env!("CARGO_PKG_VERSION"));
-        file.write_all(text.as_bytes()).map_err(failed(&path))?;
-        written.push((file, path));
+        std::fs::write(&path, text).map_err(failed(&path))?;
+        written.push((path, dir.join(name)));
     }
     let mut paths = Vec::new();
-    for (file, path) in written {
-        file.persist(&path)
-            .map_err(|error| failed(&path)(error.error))?;
-        paths.push(path);
+    for (from, to) in written {
+        std::fs::rename(from, &to).map_err(failed(&to))?;
+        paths.push(to);
     }
     Ok(paths)
 }

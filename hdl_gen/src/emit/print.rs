@@ -186,10 +186,10 @@ impl File<'_> {
             let values: Vec<_> = shaped.iter().map(|c| c.value.to_string()).collect();
             let value = values.iter().map(String::len).max().unwrap_or_default();
             for (constant, number) in shaped.iter().zip(&values) {
-                self.line(&format!(
-                    "    //   {:name$} = {number:>value$}  {}",
-                    constant.name, constant.reason
-                ));
+                let start = format!("    //   {:name$} = {number:>value$}  ", constant.name);
+                let next_line = format!("\n    //{}", " ".repeat(start.len() - 6));
+                let reason = wrapped(&constant.reason, start.len(), &next_line);
+                self.line(&format!("{start}{reason}"));
             }
         }
     }
@@ -412,16 +412,35 @@ impl File<'_> {
     }
 }
 
-/// `start = value;`, on several lines where one would be too long.
+/// `start = value;`, on several lines where one would be too long; below the name where the name
+/// leaves no room beside it.
 fn assignment(start: &str, operator: &str, value: &Expression) -> String {
-    let column = start.len() + operator.len() + 2;
-    if column > LINE / 2 && column + value.flat().len() >= LINE {
-        // So long a name leaves no room beside it.
-        let column = 4 + start.len() - start.trim_start().len();
-        let indent = " ".repeat(column);
-        return format!("{start} {operator}\n{indent}{};", value.broken(column));
+    let beside = format!("{start} {operator} ");
+    let text = format!("{beside}{};", value.broken(beside.len()));
+    if text.lines().all(|line| line.len() <= LINE) {
+        return text;
     }
-    format!("{start} {operator} {};", value.broken(column))
+    let column = 4 + start.len() - start.trim_start().len();
+    let indent = " ".repeat(column);
+    let below = value.broken(column);
+    format!("{} {operator}\n{indent}{below};", start.trim_end())
+}
+
+/// A remark behind text that ends at `column`, on as many lines as it takes.
+fn wrapped(remark: &str, column: usize, line_break: &str) -> String {
+    let mut text = String::new();
+    let mut at = column;
+    for word in remark.split_whitespace() {
+        if at > column && at + word.len() > LINE {
+            text.truncate(text.trim_end().len());
+            text += line_break;
+            at = column;
+        }
+        text += word;
+        text.push(' ');
+        at += word.len() + 1;
+    }
+    text
 }
 
 /// `[7:0] `, or nothing for one bit.

@@ -14,6 +14,7 @@
 mod add;
 mod compare;
 mod divide;
+mod golden;
 mod height;
 mod integer;
 mod multiply;

@@ -3,13 +3,24 @@
 mod divergence;
 mod embedded;
 mod golden;
+mod operands;
 mod record;
+mod simulator;
+mod stream;
 mod traverse;
 mod verilator;
+mod waveform;
 
 pub use divergence::{Comparison, Divergence};
 pub use embedded::run_embedded;
 pub use golden::{GoldenRun, History};
+pub use operands::OperandSets;
 pub use record::{HarnessPlan, MemoryPorts};
+pub use simulator::{FindError, FoundSimulator, SimulatorChoice};
+pub use stream::StreamRun;
 pub use traverse::{run_verilator, traverse_plan};
 pub use verilator::{TraceWindow, Verilator, VerilatorError, run_harness};
+pub use waveform::{
+    SimulatedWaveform, conform_verilator, decoded_value, golden_waveform, units_in_the_last_place,
+    waveform_options, waveform_signals,
+};

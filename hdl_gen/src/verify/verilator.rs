@@ -84,7 +84,9 @@ impl Verilator {
     /// If there is none, or only one that is too old.
     pub fn find() -> Result<Verilator, VerilatorError> {
         if let Some(path) = std::env::var_os("STEPWELL_VERILATOR") {
-            return Verilator::at(PathBuf::from(path), None).ok_or(VerilatorError::NotFound)?.checked();
+            return Verilator::at(PathBuf::from(path), None)
+                .ok_or(VerilatorError::NotFound)?
+                .checked();
         }
         let on_path = Verilator::at(PathBuf::from("verilator"), None);
         if let Some(Ok(found)) = on_path.clone().map(Verilator::checked) {
@@ -106,9 +108,17 @@ impl Verilator {
         if let Some(root) = &root {
             version.env("VERILATOR_ROOT", root);
         }
-        let output = version.arg("--version").output().ok().filter(|out| out.status.success())?;
+        let output = version
+            .arg("--version")
+            .output()
+            .ok()
+            .filter(|out| out.status.success())?;
         let version = String::from_utf8_lossy(&output.stdout).trim().to_owned();
-        Some(Verilator { command, version, root })
+        Some(Verilator {
+            command,
+            version,
+            root,
+        })
     }
 
     fn checked(self) -> Result<Verilator, VerilatorError> {
@@ -173,8 +183,12 @@ impl Verilator {
     }
 
     fn digest(&self, folder: &Path, waveforms: bool) -> String {
-        let mut files: Vec<_> =
-            fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+        let mut files: Vec<_> = fs::read_dir(folder)
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|entry| entry.path())
+            .collect();
         files.sort();
         let mut hash = Sha256::new();
         hash.update(&self.version);
@@ -183,7 +197,11 @@ impl Verilator {
             hash.update(file.file_name().unwrap_or_default().as_encoded_bytes());
             hash.update(fs::read(&file).unwrap_or_default());
         }
-        hash.finalize().iter().take(12).map(|byte| format!("{byte:02x}")).collect()
+        hash.finalize()
+            .iter()
+            .take(12)
+            .map(|byte| format!("{byte:02x}"))
+            .collect()
     }
 
     fn compile(
@@ -200,14 +218,24 @@ impl Verilator {
         }
         command.args(["--cc", "--exe", "--build", "-O3", "-Wall", "-j", "2"]);
         command.args(["--x-assign", "fast", "--x-initial", "fast", "--noassert"]);
-        command.args(["--timescale", "1ns/1ns", "--top-module", top, "-o", "harness"]);
+        command.args([
+            "--timescale",
+            "1ns/1ns",
+            "--top-module",
+            top,
+            "-o",
+            "harness",
+        ]);
         command.args(["-CFLAGS", "-O3 -std=c++17", "-MAKEFLAGS", "OPT_FAST=-O3"]);
         if waveforms {
             command.args(["--trace", "--trace-underscore"]);
         }
         command.args(["probes.vlt", "harness.cpp"]);
         command.args(sources.iter().filter_map(|path| path.file_name()));
-        let output = command.stdin(Stdio::null()).output().map_err(|_| VerilatorError::NotFound)?;
+        let output = command
+            .stdin(Stdio::null())
+            .output()
+            .map_err(|_| VerilatorError::NotFound)?;
         if output.status.success() {
             return Ok(());
         }
@@ -216,7 +244,10 @@ impl Verilator {
         let kept = cache_folder().join("refused");
         let _ = fs::remove_dir_all(&kept);
         let _ = fs::rename(folder, &kept);
-        Err(VerilatorError::Build { folder: kept.display().to_string(), output: text })
+        Err(VerilatorError::Build {
+            folder: kept.display().to_string(),
+            output: text,
+        })
     }
 }
 
@@ -228,7 +259,10 @@ fn cache_folder() -> PathBuf {
     }
     let cache = std::env::var_os("XDG_CACHE_HOME").map(PathBuf::from);
     let home = || std::env::var_os("HOME").map(|home| Path::new(&home).join(".cache"));
-    cache.or_else(home).unwrap_or_else(std::env::temp_dir).join("stepwell/verilated")
+    cache
+        .or_else(home)
+        .unwrap_or_else(std::env::temp_dir)
+        .join("stepwell/verilated")
 }
 
 /// The package folder of PyPI's wheel.
@@ -305,7 +339,10 @@ pub fn run_harness(
     match memory {
         Some(words) => {
             let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-            heights.write_all(&bytes).and_then(|()| heights.flush()).map_err(failed)?;
+            heights
+                .write_all(&bytes)
+                .and_then(|()| heights.flush())
+                .map_err(failed)?;
             command.arg(heights.path());
         }
         None => {
@@ -316,7 +353,10 @@ pub fn run_harness(
         command.arg("--vcd").arg(&window.file);
         command.args([window.first.to_string(), window.last.to_string()]);
     }
-    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
     let mut child = command.spawn().map_err(failed)?;
     {
         let stdin = child.stdin.take().expect("a piped standard input");

@@ -25,7 +25,7 @@ module leading_zeros_8 (
                                   4'd8;
 
     // ---- is it zero? ----
-    assign is_zero_o = !(|value_i);
+    assign is_zero_o = ~|value_i;
 
 endmodule
 

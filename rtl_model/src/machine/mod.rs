@@ -6,8 +6,10 @@
 
 mod recirculation;
 mod stall;
+mod stream;
 
 pub use recirculation::{
     CycleInputs, CycleOutputs, ID_BITS, RegisterKind, STEP_INPUTS, StageEntry, TraverseMachine,
 };
 pub use stall::StallPattern;
+pub use stream::{StreamMachine, StreamOutputs};

@@ -23,6 +23,11 @@
 //!   Then the step crosses u first, owing a visit to the node on the other side of the corner; the
 //!   next crossing pays that visit, and the one after it goes on behind the corner.
 //!
+//! The bounds hold for a float `eXfY` and a map of `2^L` texels a side if no node border or
+//! distance to one is flushed or rounded unawares: exponent bias at least `L + Y + 2`, and at most
+//! `2^(Y-1)` texels from top to bottom. The unit's own format e7f16 satisfies both for every map
+//! and every ray within reach.
+//!
 //! In a reading that does not round, both bounds are one and the last case never arises.
 
 use super::traverse_setup::RayRegisters;
