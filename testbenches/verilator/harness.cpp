@@ -87,8 +87,7 @@ int main(int argc, char** argv) {
 #if VM_TRACE
   context->traceEverOn(true);
 #endif
-  // No name: the waveform's hierarchy begins with the unit itself.
-  const auto top = std::make_unique<Top>(context.get(), "");
+  const auto top = std::make_unique<Top>(context.get());
 #if VM_TRACE
   VerilatedVcdC trace;
   uint64_t first_traced = UINT64_MAX;
@@ -142,12 +141,13 @@ int main(int argc, char** argv) {
     }
     std::memcpy(&ring[(cycles % kRingCycles) * kRecordWords], record, kRecordWords * sizeof(Word));
     const GoldenWords golden{ring.data(), cycles};
-    drive(*top, record);
-    top->clk_i = 0;
 #if VM_TRACE
     const bool traced = cycles >= first_traced && cycles <= last_traced;
+    // The edge with which the first cycle began.
     if (traced && cycles == first_traced) trace.dump(cycles * kPeriod);
 #endif
+    drive(*top, record);
+    top->clk_i = 0;
     top->eval();
 #if VM_TRACE
     if (traced) trace.dump(cycles * kPeriod + kPeriod / 2);

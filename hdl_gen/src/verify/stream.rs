@@ -124,7 +124,7 @@ impl StreamRun<'_> {
     }
 
     /// What a harness drives and compares.
-    fn plan(&self) -> HarnessPlan {
+    pub fn plan(&self) -> HarnessPlan {
         let mut driven = vec!["valid_i", "ready_i"];
         driven.extend(self.operand_ports());
         HarnessPlan::new(

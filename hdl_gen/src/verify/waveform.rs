@@ -177,11 +177,12 @@ pub fn conform_verilator<W: Write>(
 ) -> Result<(W, ConformReport), WaveError> {
     let options = ConformOptions {
         name: "Verilator's waveform".to_owned(),
-        strip: String::new(),
+        // The scope Verilator wraps around every design.
+        strip: "TOP".to_owned(),
         rename: Vec::new(),
-        clock: "traverse.clk_i".to_owned(),
-        reset: Some("traverse.rst_ni".to_owned()),
-        cycles: CycleNumbers::FromFirstEdge(first_cycle),
+        clock: "TOP.clk_i".to_owned(),
+        reset: Some("TOP.rst_ni".to_owned()),
+        cycles: CycleNumbers::ByTime,
         writer: waveform_options(unit, first_cycle),
     };
     conform(raw, output, &waveform_signals(unit), &options)

@@ -111,6 +111,11 @@ pub fn verify(arguments: &Arguments, name: &str) -> anyhow::Result<Outcome> {
         stalls: StallPattern::one_in_eight(arguments.seed as u16),
     };
     let start = Instant::now();
+    if let FoundSimulator::Verilator(verilator) = &simulator {
+        verilator.build(&unit, &run.plan(), false)?;
+    }
+    let build_seconds = start.elapsed().as_secs_f64();
+    let start = Instant::now();
     let comparison = match &simulator {
         FoundSimulator::Embedded => run.embedded(|_, _, _| {})?,
         FoundSimulator::Verilator(verilator) => {
@@ -153,6 +158,7 @@ pub fn verify(arguments: &Arguments, name: &str) -> anyhow::Result<Outcome> {
         cycles_compared: comparison.cycles_compared,
         signals_compared: comparison.signals_compared,
         seconds: start.elapsed().as_secs_f64(),
+        build_seconds,
         netlist_digest: netlist_digest(&unit),
         planted_fault: arguments
             .plant_fault

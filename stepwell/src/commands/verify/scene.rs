@@ -15,7 +15,7 @@ use hdl_gen::operators::FloatOperator;
 use hdl_gen::units::{TraverseUnit, UnitConfiguration};
 use hdl_gen::verify::{
     Comparison, FoundSimulator, GoldenRun, SimulatedWaveform, TraceWindow, conform_verilator,
-    golden_waveform, run_embedded, run_verilator,
+    golden_waveform, run_embedded, run_verilator, traverse_plan,
 };
 use rtl_model::float::FloatFormat;
 use rtl_model::machine::{ID_BITS, StallPattern};
@@ -105,6 +105,12 @@ fn verify_rays(
         latency: unit.latency,
     };
     let start = Instant::now();
+    if let FoundSimulator::Verilator(verilator) = &simulator {
+        let plan = traverse_plan(&unit, &run);
+        verilator.build(&unit.design, &plan, arguments.vcd.is_some())?;
+    }
+    let build_seconds = start.elapsed().as_secs_f64();
+    let start = Instant::now();
     let mut files = Vec::new();
     let comparison = match &folder {
         None => simulate(arguments, &simulator, &unit, &run, None)?,
@@ -150,6 +156,7 @@ fn verify_rays(
         cycles_compared: comparison.cycles_compared,
         signals_compared: comparison.signals_compared,
         seconds: start.elapsed().as_secs_f64(),
+        build_seconds,
         netlist_digest: netlist_digest(&unit.design),
         planted_fault: arguments
             .plant_fault

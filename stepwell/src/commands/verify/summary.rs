@@ -29,7 +29,10 @@ pub struct Summary {
     pub cycles: u64,
     pub cycles_compared: u64,
     pub signals_compared: u64,
+    /// Of the run.
     pub seconds: f64,
+    /// Of building the hardware before it.
+    pub build_seconds: f64,
     pub netlist_digest: String,
     pub planted_fault: Option<String>,
     pub seed: u64,
@@ -60,8 +63,9 @@ pub struct SignalFacts {
     pub sources: Vec<(String, u32)>,
 }
 
-/// Decodes the divergences of the first divergent cycle. A signal is a first cause if it has
-/// sources that lie before this cycle (where nothing differed) or that agree in it.
+/// Decodes the divergences of the first divergent cycle, first causes first. A signal is a first
+/// cause if all its sources agreed: those of earlier cycles did, since nothing differed there.
+/// Before cycle 0 the unit stood idle in reset, as it still does in cycle 0.
 pub fn decode(comparison: &Comparison, signals: &[SignalFacts]) -> Vec<DecodedDivergence> {
     let path = |unit: &str, signal: &str| format!("{unit}.{signal}");
     let differs: Vec<String> = comparison
@@ -69,7 +73,7 @@ pub fn decode(comparison: &Comparison, signals: &[SignalFacts]) -> Vec<DecodedDi
         .iter()
         .map(|one| path(&one.unit, &one.signal))
         .collect();
-    comparison
+    let mut decoded: Vec<DecodedDivergence> = comparison
         .first
         .iter()
         .map(|one| {
@@ -99,7 +103,9 @@ pub fn decode(comparison: &Comparison, signals: &[SignalFacts]) -> Vec<DecodedDi
                 first_cause,
             }
         })
-        .collect()
+        .collect();
+    decoded.sort_by_key(|one| one.first_cause != Some(true));
+    decoded
 }
 
 /// Divergent signals shown to people.
@@ -108,7 +114,9 @@ const SHOWN: usize = 8;
 impl Summary {
     /// Tells person or program, and says how it came out.
     pub fn answer(&self, as_json: bool) -> anyhow::Result<Outcome> {
-        if self.rays == 0 || self.cycles_compared == 0 || self.signals_compared == 0 {
+        let compared = self.cycles_compared > 0 && self.signals_compared > 0;
+        // A fault may keep every result from leaving: that is a difference, not an empty run.
+        if !compared || (self.rays == 0 && self.mismatches == 0) {
             anyhow::bail!(
                 "nothing was compared ({} of {} results left the unit in {} cycles): this run \
                  proves nothing",
@@ -162,7 +170,8 @@ impl Summary {
             (
                 "time",
                 format!(
-                    "{:.2} s, {:.2} million cycles/s",
+                    "{:.2} s to build, {:.2} s to run, {:.2} million cycles/s",
+                    self.build_seconds,
                     self.seconds,
                     self.cycles as f64 / self.seconds.max(1e-9) / 1e6
                 ),
