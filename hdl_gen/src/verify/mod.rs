@@ -18,7 +18,7 @@ pub use operands::OperandSets;
 pub use record::{HarnessPlan, MemoryPorts};
 pub use simulator::{FindError, FoundSimulator, SimulatorChoice};
 pub use stream::StreamRun;
-pub use traverse::{run_verilator, traverse_plan};
+pub use traverse::{driven_words, run_verilator, traverse_plan};
 pub use verilator::{TraceWindow, Verilator, VerilatorError, run_harness};
 pub use waveform::{
     SimulatedWaveform, conform_verilator, decoded_value, golden_waveform, units_in_the_last_place,

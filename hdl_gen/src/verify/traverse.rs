@@ -23,7 +23,8 @@ pub(super) const DRIVEN: [&str; 7] = [
     "hit_ready_i",
 ];
 
-pub(super) fn driven_words(inputs: &CycleInputs<u64>) -> [u64; 7] {
+/// The words for the ports driven, in order.
+pub fn driven_words(inputs: &CycleInputs<u64>) -> [u64; 7] {
     [
         inputs.ray_valid.into(),
         inputs.ray_id.into(),
