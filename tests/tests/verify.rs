@@ -125,11 +125,11 @@ fn a_planted_fault_in_every_unit_is_found() {
         ("step.next_t_s9:0", "traverse.step"),
         ("step.node_address_s0:1", "traverse"),
         (
-            "float_from_integer_e7f16_v18x6_rtz_l1.result_registered:0",
+            "float_from_integer_e7f16_v17x6_rtz_l1.result_registered:0",
             "traverse.step",
         ),
         (
-            "float_from_integer_e7f16_v18x7_rtz_l1.result_registered:3",
+            "float_from_integer_e7f16_v17x7_rtz_l1.result_registered:3",
             "traverse.step",
         ),
         (
