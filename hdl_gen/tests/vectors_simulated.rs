@@ -1,6 +1,7 @@
 //! The committed vectors' like under Icarus Verilog and the embedded simulator.
 
 use hdl_gen::datapath::OperatorLatencies;
+use hdl_gen::fault::plant;
 use hdl_gen::netlist::Module;
 use hdl_gen::operators::{float_operator, stream_unit};
 use hdl_gen::units::{UnitConfiguration, build_step_unit};
@@ -71,6 +72,46 @@ fn every_unit_gives_the_golden_results() {
             let verdict = icarus.run_vectors(&unit, &set).unwrap();
             assert!(verdict.passed, "{}: {verdict:?}", unit.name);
             assert_eq!(verdict.agreed, count);
+        }
+    }
+}
+
+#[test]
+fn nothing_compared_is_no_success() {
+    let plan = plan();
+    let choice = plan.operators(FORMAT)[0];
+    let core = float_operator(choice.kind, FORMAT, choice.rounding, 2);
+    let unit = stream_unit(&core);
+    let mut set = operator_vectors(choice, 0, 1);
+    set.vectors.clear();
+    assert!(!run_vectors_embedded(&unit, &set).unwrap().passed);
+    if let Some(icarus) = icarus() {
+        assert!(!icarus.run_vectors(&unit, &set).unwrap().passed);
+    }
+}
+
+#[test]
+fn faults_of_the_handshake_and_of_the_arithmetic_are_caught() {
+    let plan = plan();
+    let choice = plan.operators(FORMAT)[0];
+    let core = float_operator(choice.kind, FORMAT, choice.rounding, 2);
+    let unit = stream_unit(&core);
+    let set = operator_vectors(choice, plan.random, plan.seed);
+    let icarus = icarus();
+    for (path, bit) in [
+        ("core_result", 0),
+        ("advance", 0),
+        ("valid_places", 0),
+        ("valid_places", 1),
+        ("last_is_valid", 0),
+    ] {
+        let faulty = plant(&unit, path, bit).unwrap();
+        let verdict = run_vectors_embedded(&faulty, &set).unwrap();
+        assert!(!verdict.passed, "{path} embedded: {verdict:?}");
+        if let Some(icarus) = &icarus {
+            let verdict = icarus.run_vectors(&faulty, &set).unwrap();
+            assert!(!verdict.passed, "{path} Icarus: {verdict:?}");
+            println!("{path}: {}", verdict.line);
         }
     }
 }

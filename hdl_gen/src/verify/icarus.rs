@@ -13,7 +13,10 @@ use crate::netlist::Module;
 use crate::testbench::{TraverseBench, Verdict, stream_testbench, traverse_testbench};
 use crate::units::TraverseUnit;
 use crate::vectors::{VectorSet, ray_vectors};
-use crate::wave::{ConformOptions, CycleNumbers, LogicWord, Samples, WaveError, WriterOptions};
+use crate::wave::{
+    ConformOptions, ConformReport, CycleNumbers, LogicWord, Samples, WaveError, WriterOptions,
+    conform,
+};
 use rtl_model::units::traverse::Status;
 use std::fs::{self, File};
 use std::io::{self, BufReader};
@@ -135,6 +138,54 @@ impl Icarus {
         unit: &TraverseUnit,
         run: &GoldenRun<'_>,
     ) -> Result<Comparison, IcarusError> {
+        let recorded = self.record(unit, run)?;
+        let comparison = compare(unit, run, recorded.waveform()?)?;
+        let all_agree = comparison.mismatches == 0;
+        if all_agree && comparison.cycles < recorded.golden_cycles {
+            return Err(IcarusError::ShortWaveform {
+                found: comparison.cycles,
+                expected: recorded.golden_cycles,
+                verdict: recorded.verdict.line,
+            });
+        }
+        if all_agree && !recorded.verdict.passed {
+            return Err(IcarusError::Contradiction {
+                verdict: recorded.verdict.line,
+            });
+        }
+        Ok(comparison)
+    }
+
+    /// Runs the traverse unit as [`Icarus::run_traverse`] does and writes its waveform as
+    /// [`super::golden_waveform`] writes the golden one: the same signals, hierarchy and times.
+    ///
+    /// # Errors
+    /// If the design cannot be emitted, compiled or run, or a waveform not be read or written.
+    pub fn waveform<W: io::Write>(
+        &self,
+        unit: &TraverseUnit,
+        run: &GoldenRun<'_>,
+        output: W,
+    ) -> Result<(W, ConformReport), IcarusError> {
+        let recorded = self.record(unit, run)?;
+        let options = ConformOptions {
+            writer: WriterOptions {
+                shadows: true,
+                ..WriterOptions::default()
+            },
+            ..conform_options()
+        };
+        let declarations = traverse_declarations(unit);
+        Ok(conform(
+            recorded.waveform()?,
+            output,
+            &declarations,
+            &options,
+        )?)
+    }
+
+    /// Runs the traverse unit by its testbench and records its waveform.
+    fn record(&self, unit: &TraverseUnit, run: &GoldenRun<'_>) -> Result<Recorded, IcarusError> {
         let format = unit.configuration.format;
         let vectors = ray_vectors(format, run.pyramid, run.rays);
         let golden_cycles = run.run(format, |_, _, _| ControlFlow::Continue(()));
@@ -155,26 +206,11 @@ impl Icarus {
         }
         let bench = traverse_testbench(unit, &bench);
         let verdict = self.run(folder.path(), &unit.design, &bench, Some(VCD))?;
-        let path = folder.path().join(VCD);
-        let waveform = File::open(&path).map_err(|problem| WaveError::Read {
-            name: path.display().to_string(),
-            source: problem,
-        })?;
-        let comparison = compare(unit, run, BufReader::new(waveform))?;
-        let all_agree = comparison.mismatches == 0;
-        if all_agree && comparison.cycles < golden_cycles {
-            return Err(IcarusError::ShortWaveform {
-                found: comparison.cycles,
-                expected: golden_cycles,
-                verdict: verdict.line,
-            });
-        }
-        if all_agree && !verdict.passed {
-            return Err(IcarusError::Contradiction {
-                verdict: verdict.line,
-            });
-        }
-        Ok(comparison)
+        Ok(Recorded {
+            folder,
+            verdict,
+            golden_cycles,
+        })
     }
 
     /// Compiles a design with its testbench in a folder and runs it there.
@@ -207,25 +243,49 @@ const VCD: &str = "traverse.vcd";
 /// What the testbench's instances stand in.
 const TESTBENCH: &str = "testbench_traverse";
 
+/// A run of the traverse unit.
+struct Recorded {
+    folder: tempfile::TempDir,
+    verdict: Verdict,
+    golden_cycles: u64,
+}
+
+impl Recorded {
+    fn waveform(&self) -> Result<BufReader<File>, WaveError> {
+        let path = self.folder.path().join(VCD);
+        match File::open(&path) {
+            Ok(file) => Ok(BufReader::new(file)),
+            Err(source) => Err(WaveError::Read {
+                name: path.display().to_string(),
+                source,
+            }),
+        }
+    }
+}
+
+/// Where the testbench has the unit; cycle 0 begins with the first edge it records.
+fn conform_options() -> ConformOptions {
+    ConformOptions {
+        name: VCD.to_owned(),
+        strip: TESTBENCH.to_owned(),
+        rename: Vec::new(),
+        clock: format!("{TESTBENCH}.traverse.clk_i"),
+        reset: Some(format!("{TESTBENCH}.traverse.rst_ni")),
+        cycles: CycleNumbers::FromFirstEdge(0),
+        writer: WriterOptions::default(),
+    }
+}
+
 /// Holds the waveform of the testbench against the golden machine, cycle by cycle as it is read.
 fn compare(
     unit: &TraverseUnit,
     run: &GoldenRun<'_>,
     waveform: impl io::BufRead,
 ) -> Result<Comparison, WaveError> {
-    let options = ConformOptions {
-        name: VCD.to_owned(),
-        strip: TESTBENCH.to_owned(),
-        rename: Vec::new(),
-        clock: format!("{TESTBENCH}.traverse.clk_i"),
-        reset: None,
-        cycles: CycleNumbers::FromFirstEdge(0),
-        writer: WriterOptions::default(),
-    };
     let declarations = traverse_declarations(unit);
     // The probes are declared first, then the inputs.
     let declarations = &declarations[..unit.probes.len()];
-    let mut samples = Samples::open(waveform, declarations, &options)?;
+    let mut samples = Samples::open(waveform, declarations, &conform_options())?;
     let mut history = History::new(unit.latency);
     let mut comparison = Comparison {
         signals_compared: unit.probes.len() as u64,

@@ -1,5 +1,6 @@
 //! Hardware held against the golden model, output by output and cycle by cycle.
 
+mod dependencies;
 mod divergence;
 mod embedded;
 mod golden;

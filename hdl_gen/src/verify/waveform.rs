@@ -1,5 +1,6 @@
 //! The golden machine's waveform: what the unit's signals must show, without any simulator.
 
+use super::dependencies::traverse_dependencies;
 use super::golden::{GoldenRun, History};
 use crate::netlist::Meaning;
 use crate::units::{CycleWords, Probe, TraverseUnit};
@@ -43,8 +44,8 @@ pub fn traverse_declarations(unit: &TraverseUnit) -> Vec<SignalDeclaration> {
 
 /// Writes the waveform of a golden run, from the first to the last cycle of `window` as far as the
 /// run has them: every signal the golden model knows, under the names and in the hierarchy of the
-/// Verilog, with the values of floats and signed integers beside their bits. Returns the output
-/// and the cycles written.
+/// Verilog, with the values of floats and signed integers beside their bits, and what each signal
+/// is computed from in comments. Returns the output and the cycles written.
 ///
 /// # Errors
 /// If the window holds no cycle of the run, or the output cannot be written.
@@ -58,6 +59,7 @@ pub fn golden_waveform<W: Write>(
     let options = WriterOptions {
         first_cycle: *window.start(),
         shadows: true,
+        dependencies: traverse_dependencies(unit, &declarations),
         ..WriterOptions::default()
     };
     let mut writer = Writer::new(output, &declarations, &options)?;
