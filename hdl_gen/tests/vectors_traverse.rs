@@ -2,8 +2,9 @@
 
 use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::fault::plant;
+use hdl_gen::testbench::{FieldDifference, TraverseBench, Verdict};
 use hdl_gen::units::{TraverseUnit, UnitConfiguration};
-use hdl_gen::vectors::scene_rays;
+use hdl_gen::vectors::{Manifest, RayVectors, ray_vectors, scene_rays};
 use hdl_gen::verify::{GoldenRun, Icarus, golden_waveform, run_embedded};
 use hdl_gen::wave::{Cause, DiffOptions, Waveform, diff};
 use rtl_model::float::FloatFormat;
@@ -175,4 +176,52 @@ fn a_window_of_the_golden_waveform_is_a_part_of_the_whole() {
     let behind_the_end = golden_waveform(&frame.unit, &run, cycles..=u64::MAX, Vec::new());
     let message = behind_the_end.unwrap_err().to_string();
     assert!(message.contains(&format!("{cycles} cycles")), "{message}");
+}
+
+/// The testbench's verdict on the small frame.
+fn verdict(icarus: &Icarus, frame: &Frame, vectors: &RayVectors) -> Verdict {
+    let bench = TraverseBench::new(&frame.unit, vectors, StallPattern::never());
+    icarus.run_rays(&frame.unit, vectors, &bench).unwrap()
+}
+
+#[test]
+fn the_testbench_passes_the_committed_hits_and_names_a_wrong_one() {
+    let Some(icarus) = icarus() else { return };
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors");
+    let manifest = Manifest::read(&folder).unwrap();
+    let read = |name| manifest.file(name).unwrap().read(&folder).unwrap();
+    let mut vectors = RayVectors {
+        rays: read("rays.hex"),
+        hits: read("hits.hex"),
+        heights: read("heights.hex"),
+    };
+    let frame = Frame::small();
+    let count = vectors.rays.vectors.len() as u64;
+    let sound = verdict(&icarus, &frame, &vectors);
+    assert!(sound.passed, "{sound:?}");
+    assert_eq!((sound.agreed, sound.vectors), (count, count));
+
+    // The last fraction bit of a depth.
+    let expected = vectors.hits.vectors[300][2];
+    vectors.hits.vectors[300][2] ^= 1;
+    let wrong = verdict(&icarus, &frame, &vectors);
+    assert!(!wrong.passed, "{wrong:?}");
+    assert_eq!(wrong.agreed, count - 1);
+    let difference = FieldDifference {
+        vector: 300,
+        field: "t".to_owned(),
+        expected: format!("{:06x}", expected ^ 1),
+        found: format!("{expected:06x}"),
+    };
+    assert_eq!(wrong.differences, [difference]);
+}
+
+#[test]
+fn the_testbench_of_no_rays_fails() {
+    let Some(icarus) = icarus() else { return };
+    let frame = Frame::small();
+    let vectors = ray_vectors(FORMAT, &frame.pyramid, &[]);
+    let empty = verdict(&icarus, &frame, &vectors);
+    assert!(!empty.passed, "{empty:?}");
+    assert_eq!(empty.vectors, 0);
 }

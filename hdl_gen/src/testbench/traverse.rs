@@ -5,6 +5,7 @@ use rtl_model::units::traverse_step::COUNTER_BITS;
 
 use super::filled_in;
 use crate::units::TraverseUnit;
+use crate::vectors::RayVectors;
 
 const TEXT: &str = include_str!("../../../testbenches/verilog/testbench_traverse.v.in");
 
@@ -20,14 +21,14 @@ pub struct TraverseBench {
 }
 
 impl TraverseBench {
-    /// For rays whose walks take so many steps together: the watchdog allows twice the cycles that
-    /// one ray after another would need, and some more for each ray.
-    pub fn new(
-        unit: &TraverseUnit,
-        rays: usize,
-        steps: u64,
-        stalls: StallPattern,
-    ) -> TraverseBench {
+    /// For these vectors: the watchdog allows twice the cycles that the rays need one after
+    /// another, and some more for each.
+    pub fn new(unit: &TraverseUnit, vectors: &RayVectors, stalls: StallPattern) -> TraverseBench {
+        let mut fields = vectors.hits.fields.iter();
+        let steps = fields.position(|field| field.name == "steps");
+        let steps_of = |hit: &Vec<u64>| steps.map_or(0, |place| hit[place]);
+        let steps: u64 = vectors.hits.vectors.iter().map(steps_of).sum();
+        let rays = vectors.rays.vectors.len();
         let trip = u64::from(unit.latency) + 1;
         TraverseBench {
             rays,

@@ -12,7 +12,7 @@ use crate::emit::{EmitError, write_design};
 use crate::netlist::Module;
 use crate::testbench::{TraverseBench, Verdict, stream_testbench, traverse_testbench};
 use crate::units::TraverseUnit;
-use crate::vectors::{VectorSet, ray_vectors};
+use crate::vectors::{RayVectors, VectorSet, ray_vectors};
 use crate::wave::{
     ConformOptions, ConformReport, CycleNumbers, LogicWord, Samples, WaveError, WriterOptions,
     conform,
@@ -124,6 +124,21 @@ impl Icarus {
         self.run(folder.path(), unit, &bench, None)
     }
 
+    /// Sends rays through the traverse unit and holds its hits against the expected ones, by its
+    /// testbench.
+    ///
+    /// # Errors
+    /// If the design cannot be emitted, compiled or run. A wrong hit is none: the verdict says so.
+    pub fn run_rays(
+        &self,
+        unit: &TraverseUnit,
+        vectors: &RayVectors,
+        bench: &TraverseBench,
+    ) -> Result<Verdict, IcarusError> {
+        let folder = temporary_folder()?;
+        self.run_bench(folder.path(), unit, vectors, bench, None)
+    }
+
     /// Sends the rays of a golden run through the traverse unit, by its testbench, and compares
     /// every probe in every cycle with the golden machine's.
     ///
@@ -197,20 +212,32 @@ impl Icarus {
             watchdog: golden_cycles + 64,
         };
         let folder = temporary_folder()?;
-        for (name, set) in [
-            ("rays.hex", &vectors.rays),
-            ("hits.hex", &vectors.hits),
-            ("heights.hex", &vectors.heights),
-        ] {
-            write(folder.path(), name, &set.to_hex())?;
-        }
-        let bench = traverse_testbench(unit, &bench);
-        let verdict = self.run(folder.path(), &unit.design, &bench, Some(VCD))?;
+        let verdict = self.run_bench(folder.path(), unit, &vectors, &bench, Some(VCD))?;
         Ok(Recorded {
             folder,
             verdict,
             golden_cycles,
         })
+    }
+
+    /// The traverse unit's testbench, with these files beside it.
+    fn run_bench(
+        &self,
+        folder: &Path,
+        unit: &TraverseUnit,
+        vectors: &RayVectors,
+        bench: &TraverseBench,
+        vcd: Option<&str>,
+    ) -> Result<Verdict, IcarusError> {
+        for (name, set) in [
+            ("rays.hex", &vectors.rays),
+            ("hits.hex", &vectors.hits),
+            ("heights.hex", &vectors.heights),
+        ] {
+            write(folder, name, &set.to_hex())?;
+        }
+        let bench = traverse_testbench(unit, bench);
+        self.run(folder, &unit.design, &bench, vcd)
     }
 
     /// Compiles a design with its testbench in a folder and runs it there.
