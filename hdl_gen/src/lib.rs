@@ -10,6 +10,8 @@ pub mod netlist;
 pub mod operators;
 pub mod pipeline;
 pub mod simulate;
+pub mod testbench;
 pub mod units;
+pub mod vectors;
 pub mod verify;
 pub mod wave;

@@ -4,7 +4,9 @@
 mod probe;
 mod traverse;
 mod traverse_datapaths;
+mod traverse_step_unit;
 
 pub use probe::{CycleWords, Probe};
 pub use traverse::{TraverseUnit, UnitConfiguration};
 pub use traverse_datapaths::{build_setup, build_step};
+pub use traverse_step_unit::build_step_unit;

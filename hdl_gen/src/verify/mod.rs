@@ -3,24 +3,28 @@
 mod divergence;
 mod embedded;
 mod golden;
+mod icarus;
 mod operands;
 mod record;
 mod simulator;
 mod stream;
 mod traverse;
+mod vectors;
 mod verilator;
 mod waveform;
 
 pub use divergence::{Comparison, Divergence};
 pub use embedded::run_embedded;
 pub use golden::{GoldenRun, History};
+pub use icarus::{Icarus, IcarusError};
 pub use operands::OperandSets;
 pub use record::{HarnessPlan, MemoryPorts};
 pub use simulator::{FindError, FoundSimulator, SimulatorChoice};
 pub use stream::StreamRun;
 pub use traverse::{driven_words, run_verilator, traverse_plan};
+pub use vectors::run_vectors_embedded;
 pub use verilator::{TraceWindow, Verilator, VerilatorError, run_harness};
 pub use waveform::{
-    SimulatedWaveform, conform_verilator, decoded_value, golden_waveform, units_in_the_last_place,
-    waveform_options, waveform_signals,
+    SimulatedWaveform, conform_window, decoded_value, golden_waveform, units_in_the_last_place,
+    verilator_waveform, waveform_options, waveform_signals,
 };

@@ -1,5 +1,6 @@
 //! Which simulator runs the hardware.
 
+use super::icarus::{Icarus, IcarusError};
 use super::verilator::{Verilator, VerilatorError};
 use std::fmt;
 use std::str::FromStr;
@@ -48,7 +49,7 @@ impl SimulatorChoice {
                 Err(_) => FoundSimulator::Embedded,
             },
             SimulatorChoice::Verilator => FoundSimulator::Verilator(Verilator::find()?),
-            SimulatorChoice::Icarus => todo!(),
+            SimulatorChoice::Icarus => FoundSimulator::Icarus(Icarus::find()?),
             SimulatorChoice::Embedded => FoundSimulator::Embedded,
         })
     }
@@ -71,6 +72,9 @@ pub enum FindError {
     /// Verilator.
     #[error(transparent)]
     Verilator(#[from] VerilatorError),
+    /// Icarus Verilog.
+    #[error(transparent)]
+    Icarus(#[from] IcarusError),
 }
 
 /// A simulator that is there.
@@ -78,6 +82,8 @@ pub enum FindError {
 pub enum FoundSimulator {
     /// Verilator.
     Verilator(Verilator),
+    /// Icarus Verilog.
+    Icarus(Icarus),
     /// The embedded one.
     Embedded,
 }
@@ -87,6 +93,7 @@ impl FoundSimulator {
     pub const fn name(&self) -> &'static str {
         match self {
             FoundSimulator::Verilator(_) => "verilator",
+            FoundSimulator::Icarus(_) => "icarus",
             FoundSimulator::Embedded => "embedded",
         }
     }
@@ -97,6 +104,7 @@ impl FoundSimulator {
     pub fn version(&self) -> &str {
         match self {
             FoundSimulator::Verilator(verilator) => &verilator.version,
+            FoundSimulator::Icarus(icarus) => &icarus.version,
             FoundSimulator::Embedded => env!("CARGO_PKG_VERSION"),
         }
     }

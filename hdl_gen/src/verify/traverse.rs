@@ -23,6 +23,9 @@ pub(super) const DRIVEN: [&str; 7] = [
     "hit_ready_i",
 ];
 
+/// The port the synchronous memory answers on.
+pub(super) const HEIGHT: &str = "height_i";
+
 /// The words for the ports driven, in order.
 pub fn driven_words(inputs: &CycleInputs<u64>) -> [u64; 7] {
     [
@@ -46,7 +49,7 @@ pub fn traverse_plan(unit: &TraverseUnit, run: &GoldenRun<'_>) -> HarnessPlan {
         Some(MemoryPorts {
             words: run.pyramid.memory().len(),
             address: "height_address_o".to_owned(),
-            data: "height_i".to_owned(),
+            data: HEIGHT.to_owned(),
         }),
         ("hit_valid_o", "hit_ready_i"),
     )

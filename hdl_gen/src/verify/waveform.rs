@@ -1,24 +1,28 @@
 //! The waveforms of a run, golden and simulated, with the same hierarchy and the same names.
 
 use super::golden::{GoldenRun, History};
+use super::traverse::{DRIVEN, HEIGHT, driven_words};
 use crate::netlist::Meaning;
 use crate::units::{CycleWords, TraverseUnit};
 use crate::wave::{
-    ConformOptions, ConformReport, CycleNumbers, Dependency, EarlierSignal, LogicWord,
-    SignalDeclaration, UnitInputs, WaveError, Writer, WriterOptions, conform,
+    ConformOptions, CycleNumbers, Dependency, EarlierSignal, LogicWord, Samples, SignalDeclaration,
+    UnitInputs, WaveError, Writer, WriterOptions,
 };
 use rtl_model::machine::CycleInputs;
-use rtl_model::readings::HasFormat;
-use std::fmt::Debug;
 use std::io::{BufRead, Write};
 use std::ops::{ControlFlow, RangeInclusive};
 
 /// A clock period, in nanoseconds.
 const PERIOD_NS: u64 = 10;
 
+/// The unit's input ports but clock and reset: those that are driven, and the memory's answer.
+fn input_ports() -> impl Iterator<Item = &'static str> {
+    DRIVEN.into_iter().chain([HEIGHT])
+}
+
 /// The signals of a traverse unit's waveform: its input ports, then its probes.
 pub fn waveform_signals(unit: &TraverseUnit) -> Vec<SignalDeclaration> {
-    let ports = super::traverse::DRIVEN.iter().map(|&name| {
+    let ports = input_ports().map(|name| {
         let wire = unit.design.input(name).expect("a driven port is an input");
         let node = unit.design.node(wire);
         SignalDeclaration {
@@ -42,9 +46,7 @@ pub fn waveform_signals(unit: &TraverseUnit) -> Vec<SignalDeclaration> {
 pub fn waveform_options(unit: &TraverseUnit, first_cycle: u64) -> WriterOptions {
     let known = |path: &str| {
         unit.probes.iter().any(|probe| probe.path() == path)
-            || super::traverse::DRIVEN
-                .iter()
-                .any(|port| path == format!("traverse.{port}"))
+            || input_ports().any(|port| path == format!("traverse.{port}"))
     };
     let dependency = |probe: &crate::units::Probe| {
         // A value that also depends on what the waveform does not show has no known cause.
@@ -61,8 +63,7 @@ pub fn waveform_options(unit: &TraverseUnit, first_cycle: u64) -> WriterOptions 
                 .collect(),
         })
     };
-    let ports = super::traverse::DRIVEN
-        .iter()
+    let ports = input_ports()
         .map(|port| format!("traverse.{port}"))
         .collect();
     WriterOptions {
@@ -77,80 +78,128 @@ pub fn waveform_options(unit: &TraverseUnit, first_cycle: u64) -> WriterOptions 
     }
 }
 
-/// The words of a cycle's input ports, as a waveform has them.
-fn port_words(inputs: &CycleInputs<u64>) -> impl Iterator<Item = LogicWord> {
-    super::traverse::driven_words(inputs)
-        .into_iter()
-        .map(LogicWord::from)
+/// What a waveform shows of a cycle: the input ports, then the probes.
+fn shown(
+    inputs: &CycleInputs<u64>,
+    height: u16,
+    probes: impl Iterator<Item = u64>,
+) -> Vec<LogicWord> {
+    let ports = driven_words(inputs).into_iter().chain([height.into()]);
+    ports.chain(probes).map(LogicWord::from).collect()
 }
 
-/// Writes the golden machine's waveform of a window of cycles.
+/// The synchronous memory's answers: each cycle's address gives the next cycle's height.
+struct Heights<'a> {
+    memory: &'a [u16],
+    /// The place of the address among the probes.
+    address: usize,
+    answer: Option<u16>,
+}
+
+impl<'a> Heights<'a> {
+    fn new(unit: &TraverseUnit, memory: &'a [u16]) -> Heights<'a> {
+        let is_address = |probe: &crate::units::Probe| probe.name == "height_address_o";
+        let address = unit.probes.iter().position(is_address);
+        Heights {
+            memory,
+            address: address.expect("the unit has a memory"),
+            answer: None,
+        }
+    }
+
+    /// The height in a cycle with these probes. Before cycle 0 the address is that of the idle
+    /// ray, as it is in it.
+    fn next(&mut self, probes: &[u64]) -> u16 {
+        let asked = self.memory[probes[self.address] as usize];
+        self.answer.replace(asked).unwrap_or(asked)
+    }
+}
+
+/// Writes the waveform of a golden run, from the first to the last cycle of `window` as far as the
+/// run has them: every signal the golden model knows, under the names and in the hierarchy of the
+/// Verilog, with the values of floats and signed integers beside their bits, and what each signal
+/// is computed from in comments. Returns the output and the cycles written.
 ///
 /// # Errors
-/// If the output cannot be written.
-pub fn golden_waveform<H: HasFormat + Debug, W: Write>(
+/// If the window holds no cycle of the run, or the output cannot be written.
+pub fn golden_waveform<W: Write>(
     unit: &TraverseUnit,
     run: &GoldenRun<'_>,
-    format: H,
     window: RangeInclusive<u64>,
     output: W,
-) -> Result<W, WaveError> {
+) -> Result<(W, u64), WaveError> {
     let options = waveform_options(unit, *window.start());
     let mut writer = Writer::new(output, &waveform_signals(unit), &options)?;
     let mut history = History::new(unit.latency);
-    let mut cycle = 0;
+    let mut heights = Heights::new(unit, run.pyramid.memory());
+    let (mut cycle, mut written) = (0, 0);
     let mut outcome = Ok(());
-    run.run(format, |inputs, _, words: &CycleWords| {
-        history.push(words);
-        if window.contains(&cycle) {
-            let probes = unit
+    run.run(
+        unit.configuration.format,
+        |inputs, _, words: &CycleWords| {
+            history.push(words);
+            let probes: Vec<u64> = unit
                 .probes
                 .iter()
-                .map(|probe| LogicWord::from(history.expected(probe)));
-            let values: Vec<_> = port_words(inputs).chain(probes).collect();
-            outcome = writer.cycle(true, &values);
-        }
-        cycle += 1;
-        match outcome.is_ok() && cycle <= *window.end() {
-            true => ControlFlow::Continue(()),
-            false => ControlFlow::Break(()),
-        }
-    });
+                .map(|probe| history.expected(probe))
+                .collect();
+            let height = heights.next(&probes);
+            if window.contains(&cycle) {
+                outcome = writer.cycle(true, &shown(inputs, height, probes.into_iter()));
+                written += 1;
+            }
+            cycle += 1;
+            match outcome.is_ok() && cycle <= *window.end() {
+                true => ControlFlow::Continue(()),
+                false => ControlFlow::Break(()),
+            }
+        },
+    );
     outcome?;
-    writer.finish()
+    if written == 0 {
+        return Err(WaveError::CycleNumber {
+            cycle: *window.start(),
+            reason: format!("the run has {cycle} cycles, counted from 0"),
+        });
+    }
+    Ok((writer.finish()?, written))
 }
 
 /// Writes what the embedded simulator shows, cycle by cycle.
-pub struct SimulatedWaveform<W: Write> {
+pub struct SimulatedWaveform<'a, W: Write> {
     writer: Writer<W>,
     window: RangeInclusive<u64>,
+    heights: Heights<'a>,
     outcome: Result<(), WaveError>,
 }
 
-impl<W: Write> SimulatedWaveform<W> {
-    /// A waveform of a window of cycles.
+impl<'a, W: Write> SimulatedWaveform<'a, W> {
+    /// A waveform of a window of cycles of a unit with this memory.
     ///
     /// # Errors
     /// If the output cannot be written.
     pub fn new(
         unit: &TraverseUnit,
+        memory: &'a [u16],
         window: RangeInclusive<u64>,
         output: W,
     ) -> Result<Self, WaveError> {
         let options = waveform_options(unit, *window.start());
         let writer = Writer::new(output, &waveform_signals(unit), &options)?;
+        let heights = Heights::new(unit, memory);
         Ok(SimulatedWaveform {
             writer,
             window,
+            heights,
             outcome: Ok(()),
         })
     }
 
     /// Takes a cycle, in the form in which [`super::run_embedded`] shows it.
     pub fn observe(&mut self, cycle: u64, inputs: &CycleInputs<u64>, probes: &[u64]) {
+        let height = self.heights.next(probes);
         if self.outcome.is_ok() && self.window.contains(&cycle) {
-            let probes = probes.iter().map(|&value| LogicWord::from(value));
-            let values: Vec<_> = port_words(inputs).chain(probes).collect();
+            let values = shown(inputs, height, probes.iter().copied());
             self.outcome = self.writer.cycle(true, &values);
         }
     }
@@ -165,17 +214,45 @@ impl<W: Write> SimulatedWaveform<W> {
     }
 }
 
-/// Brings Verilator's own waveform into the golden one's form.
+/// Writes the cycles of a window out of a simulator's waveform in the golden one's form. Returns
+/// the output and the cycles written.
 ///
 /// # Errors
-/// If it cannot be read, lacks a signal, or the output cannot be written.
-pub fn conform_verilator<W: Write>(
+/// If the waveform cannot be read, lacks a signal or the window, or the output cannot be written.
+pub fn conform_window<W: Write>(
     unit: &TraverseUnit,
     raw: impl BufRead,
-    first_cycle: u64,
+    simulator: &ConformOptions,
+    window: RangeInclusive<u64>,
     output: W,
-) -> Result<(W, ConformReport), WaveError> {
-    let options = ConformOptions {
+) -> Result<(W, u64), WaveError> {
+    let signals = waveform_signals(unit);
+    let mut samples = Samples::open(raw, &signals, simulator)?;
+    let options = waveform_options(unit, *window.start());
+    let mut writer = Writer::new(output, &signals, &options)?;
+    let mut written = 0;
+    while let Some(cycle) = samples.next_cycle()? {
+        if cycle > *window.end() {
+            break;
+        }
+        if window.contains(&cycle) {
+            writer.skip_to(cycle)?;
+            writer.cycle(samples.reset_n(), samples.values())?;
+            written += 1;
+        }
+    }
+    if written == 0 {
+        return Err(WaveError::CycleNumber {
+            cycle: *window.start(),
+            reason: format!("{} does not reach it", simulator.name),
+        });
+    }
+    Ok((writer.finish()?, written))
+}
+
+/// How Verilator's own waveform is read.
+pub fn verilator_waveform() -> ConformOptions {
+    ConformOptions {
         name: "Verilator's waveform".to_owned(),
         // The scope Verilator wraps around every design.
         strip: "TOP".to_owned(),
@@ -183,9 +260,8 @@ pub fn conform_verilator<W: Write>(
         clock: "TOP.clk_i".to_owned(),
         reset: Some("TOP.rst_ni".to_owned()),
         cycles: CycleNumbers::ByTime,
-        writer: waveform_options(unit, first_cycle),
-    };
-    conform(raw, output, &waveform_signals(unit), &options)
+        writer: WriterOptions::default(),
+    }
 }
 
 /// A value as a person reads it.

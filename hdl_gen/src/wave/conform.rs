@@ -61,17 +61,8 @@ pub fn conform<W: Write>(
     declarations: &[SignalDeclaration],
     options: &ConformOptions,
 ) -> Result<(W, ConformReport), WaveError> {
-    let reader = Reader::open(&options.name, raw)?;
-    let names = conformed_names(&reader.header, options);
-    let mut watched = find_declared(&reader.header, &names, declarations, options)?;
-    let clock = find_bit(&reader, &options.clock)?;
-    if let Some(reset) = &options.reset {
-        watched.push(find_bit(&reader, reset)?);
-    }
-    let (mut sampler, mut slots) = CycleSampler::new(reader, clock, &watched, options.cycles);
-    let reset_slot = options.reset.as_ref().and_then(|_| slots.pop());
-
-    let Some(mut cycle) = sampler.next_cycle()? else {
+    let mut samples = Samples::open(raw, declarations, options)?;
+    let Some(mut cycle) = samples.next_cycle()? else {
         return Err(WaveError::NoCycles {
             name: options.name.clone(),
         });
@@ -79,26 +70,87 @@ pub fn conform<W: Write>(
     let mut report = ConformReport {
         signals: declarations.len(),
         cycles: 0,
-        first_cycle: cycle.number,
+        first_cycle: cycle,
     };
     let writer_options = WriterOptions {
-        first_cycle: cycle.number,
+        first_cycle: cycle,
         ..options.writer.clone()
     };
     let mut writer = Writer::new(output, declarations, &writer_options)?;
-    let mut values = vec![LogicWord::X; slots.len()];
     loop {
-        for (value, &slot) in values.iter_mut().zip(&slots) {
-            *value = sampler.value(slot)[0];
-        }
-        let reset_n = reset_slot.map_or(LogicWord::known(1), |slot| sampler.value(slot)[0]);
-        writer.skip_to(cycle.number)?;
-        writer.cycle(reset_n, &values)?;
+        writer.skip_to(cycle)?;
+        writer.cycle(samples.reset_n(), samples.values())?;
         report.cycles += 1;
-        match sampler.next_cycle()? {
+        match samples.next_cycle()? {
             Some(next) => cycle = next,
             None => return Ok((writer.finish()?, report)),
         }
+    }
+}
+
+/// The declared signals of a simulator's VCD, cycle by cycle, each with the value it has settled
+/// to: what [`conform`] writes, for those who compare it at once.
+pub struct Samples<R> {
+    sampler: CycleSampler<R>,
+    slots: Vec<usize>,
+    reset_slot: Option<usize>,
+    values: Vec<LogicWord>,
+    reset_n: LogicWord,
+}
+
+impl<R: BufRead> Samples<R> {
+    /// Reads the header and finds the signals. Of the options, those of the writer are not read.
+    ///
+    /// # Errors
+    /// As [`conform`].
+    pub fn open(
+        raw: R,
+        declarations: &[SignalDeclaration],
+        options: &ConformOptions,
+    ) -> Result<Samples<R>, WaveError> {
+        let reader = Reader::open(&options.name, raw)?;
+        let names = conformed_names(&reader.header, options);
+        let mut watched = find_declared(&reader.header, &names, declarations, options)?;
+        let clock = find_bit(&reader, &options.clock)?;
+        if let Some(reset) = &options.reset {
+            watched.push(find_bit(&reader, reset)?);
+        }
+        let (sampler, mut slots) = CycleSampler::new(reader, clock, &watched, options.cycles);
+        let reset_slot = options.reset.as_ref().and_then(|_| slots.pop());
+        Ok(Samples {
+            sampler,
+            values: vec![LogicWord::X; slots.len()],
+            slots,
+            reset_slot,
+            reset_n: LogicWord::X,
+        })
+    }
+
+    /// Reads on to the end of the next cycle and answers its number; none at the end of the file.
+    ///
+    /// # Errors
+    /// If the file is not a VCD, or its clock does not go steadily.
+    pub fn next_cycle(&mut self) -> Result<Option<u64>, WaveError> {
+        let Some(cycle) = self.sampler.next_cycle()? else {
+            return Ok(None);
+        };
+        for (value, &slot) in self.values.iter_mut().zip(&self.slots) {
+            *value = self.sampler.value(slot)[0];
+        }
+        let known_1 = LogicWord::known(1);
+        let reset_slot = self.reset_slot;
+        self.reset_n = reset_slot.map_or(known_1, |slot| self.sampler.value(slot)[0]);
+        Ok(Some(cycle.number))
+    }
+
+    /// The values of this cycle, one a declaration.
+    pub fn values(&self) -> &[LogicWord] {
+        &self.values
+    }
+
+    /// The level of the reset in this cycle.
+    pub fn reset_n(&self) -> LogicWord {
+        self.reset_n
     }
 }
 

@@ -25,7 +25,7 @@ mod signal;
 mod writer;
 
 pub use cause::Cause;
-pub use conform::{ConformOptions, ConformReport, Rename, conform};
+pub use conform::{ConformOptions, ConformReport, Rename, Samples, conform};
 pub use cycles::CycleNumbers;
 pub use decode::{decoded, steps_between, two_s_complement};
 pub use diff::{DiffOptions, SideOptions, Waveform, diff, diff_files};

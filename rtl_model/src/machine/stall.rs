@@ -26,6 +26,12 @@ impl StallPattern {
         }
     }
 
+    /// The register's state, from which the pattern can be made again elsewhere; none where it
+    /// never stalls.
+    pub fn state(&self) -> Option<u16> {
+        self.stalls.then_some(self.state)
+    }
+
     /// Is the receiver ready in this cycle? Steps the register.
     pub fn next_ready(&mut self) -> bool {
         let bit = self.state ^ (self.state >> 1) ^ (self.state >> 3) ^ (self.state >> 12);

@@ -14,8 +14,8 @@ use hdl_gen::fault::plant;
 use hdl_gen::operators::FloatOperator;
 use hdl_gen::units::{TraverseUnit, UnitConfiguration};
 use hdl_gen::verify::{
-    Comparison, FoundSimulator, GoldenRun, SimulatedWaveform, TraceWindow, conform_verilator,
-    golden_waveform, run_embedded, run_verilator, traverse_plan,
+    Comparison, FoundSimulator, GoldenRun, SimulatedWaveform, TraceWindow, conform_window,
+    golden_waveform, run_embedded, run_verilator, traverse_plan, verilator_waveform,
 };
 use rtl_model::float::FloatFormat;
 use rtl_model::machine::{ID_BITS, StallPattern};
@@ -182,14 +182,15 @@ fn simulate(
     let format = unit.configuration.format;
     if let Some((folder, window)) = &waveforms {
         let output = create(&folder.join("golden.vcd"))?;
-        golden_waveform(unit, run, format, window.clone(), output)?;
+        golden_waveform(unit, run, window.clone(), output)?;
     }
     match simulator {
         FoundSimulator::Embedded => match waveforms {
             None => Ok(run_embedded(unit, run, |_, _, _| {})?),
             Some((folder, window)) => {
                 let output = create(&folder.join("hardware.vcd"))?;
-                let mut waveform = SimulatedWaveform::new(unit, window, output)?;
+                let mut waveform =
+                    SimulatedWaveform::new(unit, run.pyramid.memory(), window, output)?;
                 let comparison = run_embedded(unit, run, |cycle, inputs, probes| {
                     waveform.observe(cycle, inputs, probes);
                 })?;
@@ -197,6 +198,13 @@ fn simulate(
                 Ok(comparison)
             }
         },
+        FoundSimulator::Icarus(icarus) => {
+            if let Some((folder, window)) = waveforms {
+                let output = create(&folder.join("hardware.vcd"))?;
+                icarus.waveform(unit, run, window, output)?;
+            }
+            Ok(icarus.run_traverse(unit, run)?)
+        }
         FoundSimulator::Verilator(verilator) => {
             let raw = tempfile::NamedTempFile::new().context("a temporary file")?;
             let trace = waveforms.as_ref().map(|(_, window)| TraceWindow {
@@ -218,7 +226,7 @@ fn simulate(
             if let Some((folder, window)) = waveforms {
                 let input = BufReader::new(File::open(raw.path()).context("Verilator's waveform")?);
                 let output = create(&folder.join("hardware.vcd"))?;
-                conform_verilator(unit, input, *window.start(), output)?;
+                conform_window(unit, input, &verilator_waveform(), window, output)?;
             }
             Ok(comparison)
         }

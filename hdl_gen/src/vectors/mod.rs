@@ -1,0 +1,27 @@
+//! Test vectors for anybody's simulator and board: `$readmemh` files and a manifest that says what
+//! each bit of them means.
+//!
+//! A file holds one vector a line, in hexadecimal: all its fields side by side, the first at the
+//! most significant end, so that one Verilog memory `reg [WIDTH-1:0] vectors [0:COUNT-1]` reads
+//! it. `manifest.json` beside the files has the place, width, format and meaning of every field.
+//! `docs/formats.md` describes both for people who have no Rust.
+//!
+//! Every expected value is the golden model's ([`rtl_model`]); no netlist takes part in it.
+
+mod error;
+mod field;
+mod manifest;
+mod operators;
+mod rays;
+mod set;
+mod step;
+mod write;
+
+pub use error::VectorError;
+pub use field::{Field, FieldFormat, Role};
+pub use manifest::{Manifest, ManifestField, ManifestFile};
+pub use operators::{OperatorChoice, operator_vectors};
+pub use rays::{RayVectors, ray_vectors, scene_rays};
+pub use set::VectorSet;
+pub use step::step_vectors;
+pub use write::{VectorPlan, write_vectors};
