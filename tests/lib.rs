@@ -1,1 +1,4 @@
-//! End-to-end tests of the public command line and the public crates live in `tests/`.
+//! End-to-end tests of the public command line and the public crates live in `tests/`; here is what
+//! they share.
+
+pub mod command_line;

@@ -367,7 +367,7 @@ mod tests {
             .map(|pixel| (pixel % 32, pixel / 32))
             .find(|&(x, y)| admit(&checker, &view, x, y).is_err());
         assert_eq!(Some((x, y)), first);
-        assert!(error.to_string().contains("e2f4 cannot hold"), "{error}");
+        assert!(error.to_string().contains("more than the 4 that e2f4 tells apart"), "{error}");
     }
 
     #[test]

@@ -31,9 +31,20 @@ impl<N> Ray<N> {
     }
 }
 
-/// How far a ray may travel on either axis between top and bottom, in texels: the reach of the
-/// index registers of the unit, 15 bits and a sign.
-pub const REACH_TEXELS: f64 = 32_768.0;
+/// How far a ray may travel on either axis between top and bottom, in texels.
+///
+/// At this reach the borders that a ray of the unit's own format e7f16 crosses on one axis lie at
+/// least 2^-14 apart in depth, 8 units in the last place of a depth below 1: more than the 6 over
+/// which the walk may doubt which border comes first (`units::traverse_step`). The index registers
+/// are as wide as this reach needs.
+pub const REACH_TEXELS: f64 = 16_384.0;
+
+/// The same for a float with this many fraction bits: a quarter of the numbers from 1/2 to 1, and
+/// never more than [`REACH_TEXELS`].
+pub fn reach_in(fraction_bits: u32) -> f64 {
+    let reach = 1_u64 << (fraction_bits - 2);
+    (reach as f64).min(REACH_TEXELS)
+}
 
 /// Why a ray cannot be walked.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -49,7 +60,7 @@ pub enum RayError {
     /// The ray is too shallow for the unit's index registers.
     #[error(
         "ray: `{component}` is {value}, which on a {size} x {size} map is {texels} texels from top \
-         to bottom, more than the {REACH_TEXELS} the unit's index registers hold: take a steeper \
+         to bottom, more than the {REACH_TEXELS} within the unit's reach: take a steeper \
          ray, a smaller depth scale or a smaller map"
     )]
     TooShallow {
@@ -183,10 +194,10 @@ mod tests {
 
     #[test]
     fn the_reach_is_a_closed_bound() {
-        let at_the_bound = Ray { du: -128.0, ..RAY };
+        let at_the_bound = Ray { du: -64.0, ..RAY };
         assert_eq!(check(at_the_bound, 256), Ok(at_the_bound));
         let beyond = Ray {
-            dv: 128.0_f64.next_up(),
+            dv: 64.0_f64.next_up(),
             ..RAY
         };
         assert!(matches!(

@@ -13,7 +13,7 @@ use thiserror::Error;
 use crate::float::{FloatFormat, Rounding};
 use crate::maps::Pyramid;
 use crate::ray::{self, Ray, RayError};
-use crate::readings::{E7F16, ExactReading, F64Reading, FloatReading, NumberFormat};
+use crate::readings::{E7F16, ExactReading, F64Reading, FloatReading, NumberFormat, enter};
 use crate::scene::{Method, Walk, WalkFormat};
 use crate::units::traverse::{self, Hit};
 
@@ -23,6 +23,26 @@ pub enum AdmissionError {
     /// No format can walk it.
     #[error(transparent)]
     Ray(#[from] RayError),
+    /// The format is too coarse for so shallow a ray.
+    #[error(
+        "ray: `{component}` is {value}, which on a {size} x {size} map is {texels} texels from top \
+         to bottom, more than the {reach} that {format} tells apart: take a format with more \
+         fraction bits, a steeper ray or a smaller map"
+    )]
+    BeyondReach {
+        /// The component's name: du or dv.
+        component: &'static str,
+        /// What it was.
+        value: f64,
+        /// The map's texels on a side.
+        size: u32,
+        /// Texels travelled on that axis.
+        texels: f64,
+        /// Texels that may be travelled.
+        reach: f64,
+        /// The format.
+        format: FloatFormat,
+    },
     /// This format cannot hold it.
     #[error(
         "ray: `{component}` is {value}, which {format} cannot hold (its largest number is {most}): \
@@ -73,8 +93,8 @@ impl<'a> Walker<'a> {
     /// The ray as it can be walked: checked by [`ray::check`], its entry reduced to [0, 1).
     ///
     /// # Errors
-    /// A component that is not finite, a direction beyond the unit's reach on this map or beyond
-    /// the format's largest number.
+    /// A component that is not finite, a direction beyond the unit's or the format's reach on this
+    /// map or beyond the format's largest number.
     pub fn admit(&self, ray: Ray<f64>) -> Result<Ray<f64>, AdmissionError> {
         let ray = ray::check(ray, self.pyramid.size())?;
         let format = match &self.reading {
@@ -82,7 +102,20 @@ impl<'a> Walker<'a> {
             Reading::Float(reading) => reading.format(),
             Reading::F64(_) | Reading::Exact(_) => return Ok(ray),
         };
+        let size = self.pyramid.size();
+        let reach = ray::reach_in(format.fraction_bits);
         for (component, value) in [("du", ray.du), ("dv", ray.dv)] {
+            let texels = value.abs() * f64::from(size);
+            if texels > reach {
+                return Err(AdmissionError::BeyondReach {
+                    component,
+                    value,
+                    size,
+                    texels,
+                    reach,
+                    format,
+                });
+            }
             if format.is_infinite(format.from_f64(Rounding::NearestEven, value)) {
                 return Err(AdmissionError::BeyondFormat {
                     component,
@@ -109,12 +142,7 @@ impl<'a> Walker<'a> {
 
 fn walk_in<R: NumberFormat>(reading: &mut R, pyramid: &Pyramid, ray: Ray<f64>) -> Hit<f64> {
     reading.forget();
-    let ray = Ray {
-        u: reading.coordinate(ray.u),
-        v: reading.coordinate(ray.v),
-        du: reading.direction(ray.du),
-        dv: reading.direction(ray.dv),
-    };
+    let ray = enter(reading, ray);
     let hit = traverse::walk(reading, pyramid, pyramid.memory(), ray);
     Hit {
         i: hit.i,
@@ -179,15 +207,15 @@ mod tests {
             u: 0.5,
             v: 0.5,
             du: 1.0,
-            dv: -300.0,
+            dv: -7.0,
         };
         assert!(Walker::new(walk_of("e7f16"), &pyramid).admit(ray).is_ok());
-        let message = Walker::new(walk_of("e4f3"), &pyramid)
+        let message = Walker::new(walk_of("e2f12"), &pyramid)
             .admit(ray)
             .unwrap_err()
             .to_string();
-        assert!(message.contains("`dv` is -300"), "{message}");
-        assert!(message.contains("largest number is 240"), "{message}");
+        assert!(message.contains("`dv` is -7"), "{message}");
+        assert!(message.contains("largest number is 3.9995"), "{message}");
     }
 
     proptest! {

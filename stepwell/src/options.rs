@@ -1,7 +1,6 @@
 //! Options that several commands share, and what they do to a scene.
 
-use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::Context;
@@ -16,8 +15,8 @@ use rtl_model::scene::{FrameSize, MAX_FRAME_SIDE, Method, Scene, SceneMap, WalkF
 /// Which height map.
 #[derive(Args, Clone, Debug)]
 pub struct MapOptions {
-    /// Height map: a PNG, TGA or PGM file, or procedural:NAME:SIZE:SEED such as
-    /// procedural:rocks:256:1; of a scene, it replaces the scene's map
+    /// Height map, in place of the scene's where there is one: a PNG, TGA or PGM file, or
+    /// procedural:NAME:SIZE:SEED such as procedural:rocks:256:1
     #[arg(long, value_name = "MAP")]
     pub map: Option<MapSource>,
 
@@ -49,6 +48,20 @@ pub struct SceneOptions {
     pub scene: PathBuf,
 
     #[command(flatten)]
+    pub replacements: Replacements,
+}
+
+impl SceneOptions {
+    /// Reads the scene and replaces in it what the options say.
+    pub fn load(&self) -> anyhow::Result<Scene> {
+        self.replacements.load(&self.scene)
+    }
+}
+
+/// What is replaced in a scene.
+#[derive(Args, Clone, Debug)]
+pub struct Replacements {
+    #[command(flatten)]
     pub map: MapOptions,
 
     /// Replace the scene's number format: eXfY with X exponent and Y fraction bits, such as e7f16,
@@ -69,10 +82,10 @@ pub struct SceneOptions {
     pub size: Option<Size>,
 }
 
-impl SceneOptions {
-    /// Reads the scene and replaces in it what the options say.
-    pub fn load(&self) -> anyhow::Result<Scene> {
-        let mut scene = Scene::load(&self.scene)?;
+impl Replacements {
+    /// Reads a scene and replaces in it what the options say.
+    pub fn load(&self, path: &Path) -> anyhow::Result<Scene> {
+        let mut scene = Scene::load(path)?;
         if let Some(map) = self.map.chosen() {
             scene.map = map;
         }
@@ -120,26 +133,36 @@ impl FromStr for Size {
             })
             .ok_or_else(|| {
                 format!(
-                    "it is written WIDTHxHEIGHT, such as 320x240, with 1 to {MAX_FRAME_SIDE} pixels \
-                     a side"
+                    "`{text}` is not a size: it is written WIDTHxHEIGHT, such as 320x240, with 1 to \
+                     {MAX_FRAME_SIDE} pixels a side"
                 )
             })
     }
+}
+
+/// The most threads that can be asked for.
+const MOST_THREADS: usize = 1024;
+
+fn parse_threads(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|threads| (1..=MOST_THREADS).contains(threads))
+        .ok_or_else(|| format!("`{text}` is not a number of threads, 1 to {MOST_THREADS}"))
 }
 
 /// How many processors to use.
 #[derive(Args, Clone, Debug)]
 pub struct ThreadOptions {
     /// Threads to compute with; all processors unless told. Results do not depend on it
-    #[arg(long, value_name = "N")]
-    pub threads: Option<NonZeroUsize>,
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
+    pub threads: Option<usize>,
 }
 
 impl ThreadOptions {
     /// Does `work` with so many threads.
     pub fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> anyhow::Result<T> {
         // Zero is rayon's word for all processors.
-        let threads = self.threads.map_or(0, NonZeroUsize::get);
+        let threads = self.threads.unwrap_or(0);
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()

@@ -8,7 +8,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::{anyhow, bail};
 use tempfile::{Builder, NamedTempFile, TempDir};
 
 /// What a hidden name starts with.
@@ -31,14 +31,14 @@ impl OutputFolder {
                 path.display()
             );
         }
-        folder.stage().with_context(|| folder.problem())?;
+        folder.stage().map_err(|cause| folder.problem(cause))?;
         Ok(folder)
     }
 
     /// Has `write` fill a hidden folder, and moves its files into place, replacing those of the
     /// same names. If anything fails the folder is left as it was.
     pub fn publish(&self, write: impl FnOnce(&Path) -> anyhow::Result<()>) -> anyhow::Result<()> {
-        let (stage, contents) = self.stage().with_context(|| self.problem())?;
+        let (stage, contents) = self.stage().map_err(|cause| self.problem(cause))?;
         write(&contents)?;
         let moved = if contents == stage.path() {
             self.move_files(stage.path())
@@ -50,7 +50,7 @@ impl OutputFolder {
                 fs::rename(stage.path().join(first), existing.join(first))
             })
         };
-        moved.with_context(|| self.problem())
+        moved.map_err(|cause| self.problem(cause))
     }
 
     /// A hidden folder, and the place in it for the contents: itself where the folder exists, else
@@ -100,10 +100,11 @@ impl OutputFolder {
         Ok(())
     }
 
-    fn problem(&self) -> String {
-        format!(
-            "output folder {}: cannot be written to; choose another with -o",
-            self.path.display()
+    fn problem(&self, cause: io::Error) -> anyhow::Error {
+        anyhow!(
+            "output folder {}: cannot be written to ({}); choose another with -o",
+            self.path.display(),
+            plain(&cause)
         )
     }
 }
@@ -149,7 +150,7 @@ impl OutputFile {
             );
         }
         if !file.is_device() {
-            file.stage().with_context(|| file.problem())?;
+            file.stage().map_err(|cause| file.problem(cause))?;
         }
         Ok(file)
     }
@@ -163,13 +164,13 @@ impl OutputFile {
             let device = File::options().write(true).open(&self.path);
             return device
                 .and_then(|mut device| fill(&mut device, write))
-                .with_context(|| self.problem());
+                .map_err(|cause| self.problem(cause));
         }
-        let mut stage = self.stage().with_context(|| self.problem())?;
-        fill(stage.as_file_mut(), write).with_context(|| self.problem())?;
+        let mut stage = self.stage().map_err(|cause| self.problem(cause))?;
+        fill(stage.as_file_mut(), write).map_err(|cause| self.problem(cause))?;
         match stage.persist(&self.path) {
             Ok(_) => Ok(()),
-            Err(failure) => Err(anyhow!(failure.error).context(self.problem())),
+            Err(failure) => Err(self.problem(failure.error)),
         }
     }
 
@@ -192,12 +193,21 @@ impl OutputFile {
         builder.tempfile_in(folder)
     }
 
-    fn problem(&self) -> String {
-        format!(
-            "output {}: cannot be written; choose another file with -o",
-            self.path.display()
+    fn problem(&self, cause: io::Error) -> anyhow::Error {
+        anyhow!(
+            "output {}: cannot be written ({}); choose another file with -o",
+            self.path.display(),
+            plain(&cause)
         )
     }
+}
+
+/// What the operating system says, without the name of the hidden file, which means nothing to
+/// anybody: `tempfile` puts it behind these words.
+fn plain(cause: &io::Error) -> String {
+    let text = cause.to_string();
+    let words = text.split(" at path ").next().unwrap_or_default();
+    words.to_owned()
 }
 
 fn fill(file: &mut File, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
@@ -271,7 +281,11 @@ mod tests {
         fs::write(&file, "").unwrap();
         for path in [file.clone(), file.join("folder")] {
             let error = OutputFolder::prepare(&path).err().unwrap();
-            assert!(error.to_string().contains("-o"), "{error:#}");
+            let message = format!("{error:#}");
+            assert!(
+                message.contains("-o") && !message.contains(UNFINISHED),
+                "{message}"
+            );
         }
         assert_eq!(names(home.path()), ["file"]);
     }

@@ -9,7 +9,7 @@ use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 
 use rtl_model::ray::Ray;
 use rtl_model::units::traverse::Hit;
@@ -63,8 +63,11 @@ impl RaySource {
     pub fn read(&self, walker: &Walker<'_>) -> anyhow::Result<Vec<Ray<f64>>> {
         let input: Box<dyn Read> = match self {
             RaySource::StandardInput => Box::new(io::stdin().lock()),
-            RaySource::File(path) => Box::new(File::open(path).with_context(|| {
-                format!("rays {self}: cannot be read; check the path, or give - for standard input")
+            RaySource::File(path) => Box::new(File::open(path).map_err(|cause| {
+                anyhow!(
+                    "rays {self}: cannot be read ({cause}); check the path, or give - for standard \
+                     input"
+                )
             })?),
         };
         let mut lines = Lines {
@@ -153,6 +156,9 @@ fn parse_ray(line: &str) -> anyhow::Result<Ray<f64>> {
     }
     let mut values = [0.0; 4];
     for ((value, text), field) in values.iter_mut().zip(texts).zip(FIELDS) {
+        if text.is_empty() {
+            bail!("`{field}` is missing; a ray has four fields, u,v,du,dv");
+        }
         *value = parse_f64(text).with_context(|| format!("`{field}` is {}", quoted(text)))?;
     }
     let [u, v, du, dv] = values;

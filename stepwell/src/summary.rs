@@ -139,3 +139,59 @@ pub fn table(rows: &[(&str, String)]) -> String {
 pub fn json(value: &impl Serialize) -> anyhow::Result<String> {
     Ok(serde_json::to_string_pretty(value)? + "\n")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn summary(guards: u64) -> WalkSummary {
+        let counts = Counts {
+            rays: 8,
+            guards,
+            steps: 100,
+            most_steps: 40,
+            crossings: 20,
+        };
+        let walk = Walk {
+            method: "oh".parse().unwrap(),
+            format: "e4f3".parse().unwrap(),
+        };
+        let map = "procedural:flat:4:0".parse().unwrap();
+        WalkSummary::new("test-1", &map, walk, &counts, Duration::from_millis(500))
+    }
+
+    #[test]
+    fn a_walk_without_a_hit_is_a_disagreement() {
+        assert_eq!(summary(0).outcome(), Outcome::Agreed);
+        assert_eq!(summary(1).outcome(), Outcome::Disagreed);
+    }
+
+    #[test]
+    fn tables_and_json_have_the_same_numbers() {
+        let text = table(&summary(3).rows());
+        for line in [
+            "walk       oh in e4f3\n",
+            "steps      12.50 mean, 40 max\n",
+            "crossings  2.50 mean\n",
+            "guards     3\n",
+            "time       0.500 s, 16.0 rays/s\n",
+        ] {
+            assert!(text.contains(line), "{text}");
+        }
+        let json: serde_json::Value = serde_json::from_str(&json(&summary(3)).unwrap()).unwrap();
+        assert_eq!(json["steps"]["mean"], 12.5);
+        assert_eq!((&json["guards"], &json["rays"]), (&3.into(), &8.into()));
+    }
+
+    #[test]
+    fn rates_are_given_to_three_digits() {
+        for (number, expected) in [
+            (7.0, "7.00"),
+            (123.4, "123"),
+            (45_600.0, "45.6 thousand"),
+            (2.345e6, "2.35 million"),
+        ] {
+            assert_eq!(rounded(number), expected);
+        }
+    }
+}

@@ -5,10 +5,12 @@
 // and compares. A record is one cycle: first the words for the input ports, then the golden
 // words. All words are little-endian and as wide as `Word`.
 //
-//   harness HEIGHTS [--vcd FILE FIRST LAST] < records
+//   harness HEIGHTS [--vcd FILE FIRST LAST | --preload] < records
 //
 // HEIGHTS holds the contents of the height memory, 16 bits a word ("-": the unit has none). The
 // outcome is one JSON object on standard output. Exit code 0: the run ended, agreeing or not.
+// With --preload all records are read before the clock starts: for measuring the model alone.
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -48,7 +50,15 @@ std::vector<uint16_t> read_heights(const char* path) {
 
 class Records {
  public:
-  Records() : buffer_(kRecordsABlock * kRecordWords) {}
+  explicit Records(bool preload) : buffer_(kRecordsABlock * kRecordWords) {
+    if (!preload) return;
+    size_t words = 0;
+    for (size_t more = 1; more != 0; words += more) {
+      if (words == buffer_.size()) buffer_.resize(2 * words);
+      more = std::fread(&buffer_[words], sizeof(Word), buffer_.size() - words, stdin);
+    }
+    filled_ = words / kRecordWords;
+  }
 
   // The next record, or nullptr at the end of the stream.
   const Word* next() {
@@ -78,7 +88,10 @@ struct Difference {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2 && argc != 6) fail("usage: harness HEIGHTS [--vcd FILE FIRST LAST] < records");
+  const bool preload = argc == 3 && std::strcmp(argv[2], "--preload") == 0;
+  if (argc != 2 && argc != 6 && !preload) {
+    fail("usage: harness HEIGHTS [--vcd FILE FIRST LAST | --preload] < records");
+  }
   const std::vector<uint16_t> heights = read_heights(argv[1]);
   if (kHasMemory && heights.size() < kMemoryWords) fail("the height memory's file is too short");
 
@@ -87,8 +100,7 @@ int main(int argc, char** argv) {
 #if VM_TRACE
   context->traceEverOn(true);
 #endif
-  // No name: the waveform's hierarchy begins with the unit itself.
-  const auto top = std::make_unique<Top>(context.get(), "");
+  const auto top = std::make_unique<Top>(context.get());
 #if VM_TRACE
   VerilatedVcdC trace;
   uint64_t first_traced = UINT64_MAX;
@@ -124,7 +136,7 @@ int main(int argc, char** argv) {
 
   // The last cycles' golden words, each kept as long as a register behind it may ask for it.
   std::vector<Word> ring(kRingCycles * kRecordWords, 0);
-  Records records;
+  Records records(preload);
   std::vector<Difference> first;
   uint64_t first_cycle = 0;
   uint64_t cycles = 0;
@@ -132,6 +144,7 @@ int main(int argc, char** argv) {
   uint64_t divergent_cycles = 0;
   uint64_t results = 0;
   bool primed = false;
+  const auto start = std::chrono::steady_clock::now();
   while (const Word* record = records.next()) {
     if (!primed) {
       // What stood in the pipeline before cycle 0 is the idle cycle itself.
@@ -142,12 +155,13 @@ int main(int argc, char** argv) {
     }
     std::memcpy(&ring[(cycles % kRingCycles) * kRecordWords], record, kRecordWords * sizeof(Word));
     const GoldenWords golden{ring.data(), cycles};
-    drive(*top, record);
-    top->clk_i = 0;
 #if VM_TRACE
     const bool traced = cycles >= first_traced && cycles <= last_traced;
+    // The edge with which the first cycle began.
     if (traced && cycles == first_traced) trace.dump(cycles * kPeriod);
 #endif
+    drive(*top, record);
+    top->clk_i = 0;
     top->eval();
 #if VM_TRACE
     if (traced) trace.dump(cycles * kPeriod + kPeriod / 2);
@@ -173,13 +187,15 @@ int main(int argc, char** argv) {
 #endif
     if (divergent_cycles >= kDivergentCycles) break;
   }
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
 #if VM_TRACE
   if (argc == 6) trace.close();
 #endif
   top->final();
 
-  std::printf("{\"cycles\":%llu,\"results\":%llu,\"mismatches\":%llu,\"first_cycle\":%llu,\"first\":[",
-              static_cast<unsigned long long>(cycles), static_cast<unsigned long long>(results),
+  std::printf("{\"seconds\":%.6f,\"cycles\":%llu,\"results\":%llu,\"mismatches\":%llu,\"first_cycle\":%llu,\"first\":[",
+              elapsed.count(), static_cast<unsigned long long>(cycles),
+              static_cast<unsigned long long>(results),
               static_cast<unsigned long long>(mismatches),
               static_cast<unsigned long long>(first_cycle));
   for (size_t place = 0; place < first.size(); ++place) {

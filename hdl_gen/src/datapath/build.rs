@@ -26,6 +26,19 @@ pub struct PipelineRegister {
     pub width: u32,
     /// How they are meant.
     pub meaning: Meaning,
+    /// Cycles between its sources and itself: 1 for a delay, the latency of an operator.
+    pub cycles_back: u32,
+    /// What its value is computed from, so many cycles before.
+    pub sources: Vec<Source>,
+}
+
+/// Where a value in a pipeline comes from, seen through the combinational logic in between.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A register of the datapath, by its name.
+    Register(String),
+    /// An input of the datapath, by its recorded name.
+    Input(&'static str),
 }
 
 /// A datapath as hardware.
@@ -41,6 +54,8 @@ pub struct BuiltDatapath {
     /// For every output port that is the result of an operation: its place among the words of the
     /// golden reading.
     pub output_words: BTreeMap<String, usize>,
+    /// For every output port: what it is computed from in the same cycle.
+    pub output_sources: BTreeMap<String, Vec<Source>>,
 }
 
 /// Builds the module of a recording as the schedule says.
@@ -73,11 +88,27 @@ pub fn build(
             Some((format!("{}_o", output.name), word))
         })
         .collect();
+    let output_sources = recording
+        .outputs
+        .iter()
+        .map(|output| {
+            let available = schedule.available[output.signal.index()].unwrap_or(0);
+            let stage = if output.early {
+                available
+            } else {
+                schedule.last_stage
+            };
+            let mut sources = Vec::new();
+            build.trace(output.signal, stage, &mut sources);
+            (format!("{}_o", output.name), sources)
+        })
+        .collect();
     BuiltDatapath {
         module: build.builder.finish(),
         registers: build.registers,
         latency: schedule.last_stage,
         output_words,
+        output_sources,
     }
 }
 
@@ -164,13 +195,51 @@ impl Build<'_> {
     fn add_register(&mut self, id: SignalId, stage: u32) {
         let input_place = || self.recording.inputs().position(|input| input == id);
         let word = self.recording.signal(id).word;
+        let is_delay = self.schedule.available[id.index()] != Some(stage);
+        let operation = &self.recording.signal(id).operation;
+        let mut sources = Vec::new();
+        let cycles_back = if is_delay {
+            self.trace(id, stage - 1, &mut sources);
+            1
+        } else {
+            let start = self.schedule.start[id.index()];
+            for operand in operation.operands() {
+                self.trace(operand, start, &mut sources);
+            }
+            stage - start
+        };
         self.registers.push(PipelineRegister {
             name: self.stage_name(id, stage),
             word: word.ok_or_else(|| input_place().expect("an operation or an input")),
             stage,
             width: self.recording.width(id),
             meaning: self.meaning(id),
+            cycles_back,
+            sources,
         });
+    }
+
+    /// Finds the registers and inputs behind a signal in a stage.
+    fn trace(&self, id: SignalId, stage: u32, sources: &mut Vec<Source>) {
+        let signal = self.recording.signal(id);
+        let Some(available) = self.schedule.available[id.index()] else {
+            return;
+        };
+        let source = match signal.operation {
+            RecordedOperation::Input { stage: arrival } if arrival == stage => {
+                Source::Input(signal.name.unwrap_or("?"))
+            }
+            ref operation if available == stage && self.latencies.of(operation) == 0 => {
+                for operand in operation.operands() {
+                    self.trace(operand, stage, sources);
+                }
+                return;
+            }
+            _ => Source::Register(self.stage_name(id, stage)),
+        };
+        if !sources.contains(&source) {
+            sources.push(source);
+        }
     }
 
     fn operations_of(&mut self, stage: u32) {

@@ -6,7 +6,7 @@ mod record;
 mod schedule;
 mod signal;
 
-pub use build::{BuiltDatapath, PipelineRegister, build};
+pub use build::{BuiltDatapath, PipelineRegister, Source, build};
 pub use record::{Recorder, Recording};
 pub use schedule::{OperatorLatencies, Schedule, schedule};
 pub use signal::{BitSignal, IntSignal, Kind, NumSignal, Recorded, RecordedOperation, SignalId};

@@ -19,6 +19,9 @@ pub struct Probe {
     pub word: usize,
     /// ... and of how many cycles before.
     pub delay: u32,
+    /// What its value is computed from: paths of other probes or of input ports, and how many
+    /// cycles before. Empty where that is not known.
+    pub sources: Vec<(String, u32)>,
 }
 
 impl Probe {

@@ -2,7 +2,7 @@
 
 use super::probe::{CycleWords, Probe};
 use super::traverse_datapaths::{build_setup, build_step};
-use crate::datapath::{BuiltDatapath, OperatorLatencies};
+use crate::datapath::{BuiltDatapath, OperatorLatencies, Source};
 use crate::netlist::{Builder, Meaning, Module, Wire};
 use rtl_model::float::FloatFormat;
 use rtl_model::machine::{ID_BITS, RegisterKind, STEP_INPUTS};
@@ -236,7 +236,33 @@ impl LoopBuilder {
         let top = vec!["traverse".to_owned()];
         let float = Meaning::Float(self.configuration.format);
         let latency = self.latency;
-        let mut add = |name: String, width: u32, meaning, word, delay| {
+        let path = |source: &Source| match source {
+            Source::Register(name) => format!("traverse.step.{name}"),
+            Source::Input("height") => "traverse.height_i".to_owned(),
+            Source::Input(name) => format!("traverse.{name}_s0"),
+        };
+        let paths = |sources: &[Source], cycles: u32| -> Vec<(String, u32)> {
+            sources
+                .iter()
+                .map(|source| (path(source), cycles))
+                .collect()
+        };
+        // What decides whether a ray leaves or goes round again.
+        let mut control = paths(&step.output_sources["hit_o"], 0);
+        control.extend(paths(&step.output_sources["guard_o"], 0));
+        control.push((format!("traverse.valid_s{latency}"), 0));
+        let before = |sources: &[(String, u32)]| -> Vec<(String, u32)> {
+            sources
+                .iter()
+                .map(|(path, cycles)| (path.clone(), cycles + 1))
+                .collect()
+        };
+        let with = |sources: &[(String, u32)], more: &[&str]| {
+            let mut all = sources.to_vec();
+            all.extend(more.iter().map(|port| (format!("traverse.{port}"), 0)));
+            all
+        };
+        let mut add = |name: String, width: u32, meaning, word, delay, sources| {
             let scope = top.clone();
             self.probes.push(Probe {
                 scope,
@@ -245,28 +271,35 @@ impl LoopBuilder {
                 meaning,
                 word,
                 delay,
+                sources,
             });
         };
+        let bits = Meaning::Bits;
+        let ready_sources = with(&control, &["hit_ready_i"]);
         add(
             "ray_ready_o".into(),
             1,
-            Meaning::Bits,
+            bits,
             CycleWords::RAY_READY,
             0,
+            ready_sources,
         );
         add(
             "hit_valid_o".into(),
             1,
-            Meaning::Bits,
+            bits,
             CycleWords::HIT_VALID,
             0,
+            control.clone(),
         );
+        let id_source = vec![(format!("traverse.id_s{latency}"), 0)];
         add(
             "hit_id_o".into(),
             ID_BITS,
-            Meaning::Bits,
+            bits,
             CycleWords::ID,
             latency,
+            id_source,
         );
         let module = &step.module;
         let design = self.builder.module();
@@ -281,53 +314,64 @@ impl LoopBuilder {
             ("hit_guard_o", "guard_o"),
             ("height_address_o", "node_address_o"),
         ] {
-            let word = step.output_words[output];
+            let word = CycleWords::OPERATIONS + step.output_words[output];
             let width = design.width(design.output(port).expect("a port just made"));
             let meaning = match module.output(output).map(|wire| module.node(wire).meaning) {
                 Some(Meaning::Float(_)) => float,
-                _ => Meaning::Bits,
+                _ => bits,
             };
             let delay = if output == "node_address_o" {
                 0
             } else {
                 latency
             };
-            add(
-                port.into(),
-                width,
-                meaning,
-                CycleWords::OPERATIONS + word,
-                delay,
-            );
+            let sources = paths(&step.output_sources[output], 0);
+            add(port.into(), width, meaning, word, delay, sources);
         }
         for stage in 0..=latency {
+            let (valid_sources, id_sources) = if stage == 0 {
+                let valid = with(&control, &["ray_valid_i", "hit_ready_i"]);
+                let mut id = with(&control, &["ray_id_i", "hit_ready_i"]);
+                id.push((format!("traverse.id_s{latency}"), 0));
+                (before(&valid), before(&id))
+            } else {
+                let earlier = |name: &str| vec![(format!("traverse.{name}_s{}", stage - 1), 1)];
+                (earlier("valid"), earlier("id"))
+            };
             add(
                 format!("valid_s{stage}"),
                 1,
-                Meaning::Bits,
+                bits,
                 CycleWords::VALID,
                 stage,
+                valid_sources,
             );
             add(
                 format!("id_s{stage}"),
                 ID_BITS,
-                Meaning::Bits,
+                bits,
                 CycleWords::ID,
                 stage,
+                id_sources,
             );
         }
+        let ports = ["ray_u_i", "ray_v_i", "ray_du_i", "ray_dv_i", "hit_ready_i"];
         for (place, &(name, kind)) in STEP_INPUTS.iter().enumerate() {
             let (width, meaning) = match kind {
                 RegisterKind::Number => (self.configuration.format.width(), float),
                 RegisterKind::Integer(bits) => (bits, Meaning::Signed),
-                RegisterKind::Bit => (1, Meaning::Bits),
+                RegisterKind::Bit => (1, bits),
             };
+            let mut sources = with(&control, &ports);
+            sources.extend(paths(&step.output_sources[&format!("{name}_o")], 0));
+            let word = CycleWords::INPUTS + place;
             add(
                 format!("{name}_s0"),
                 width,
                 meaning,
-                CycleWords::INPUTS + place,
+                word,
                 0,
+                before(&sources),
             );
         }
         for register in &step.registers {
@@ -344,6 +388,7 @@ impl LoopBuilder {
                 meaning: register.meaning,
                 word,
                 delay: register.stage,
+                sources: paths(&register.sources, register.cycles_back),
             });
         }
     }

@@ -70,8 +70,17 @@ pub fn build_step(configuration: &UnitConfiguration) -> BuiltDatapath {
     let [level, i, j, steps, crossings] = integers[..] else {
         unreachable!("five integers");
     };
-    let [mirror_u, mirror_v, corner_owed, corner_paid, hit, guard] = bits[..] else {
-        unreachable!("six bits");
+    let [
+        mirror_u,
+        mirror_v,
+        at_border_v,
+        corner_owed,
+        corner_paid,
+        hit,
+        guard,
+    ] = bits[..]
+    else {
+        unreachable!("seven bits");
     };
     let ray = RayRegisters {
         u,
@@ -88,6 +97,7 @@ pub fn build_step(configuration: &UnitConfiguration) -> BuiltDatapath {
         i,
         j,
         t,
+        at_border_v,
         corner_owed,
         corner_paid,
         steps,
@@ -117,6 +127,7 @@ pub fn build_step(configuration: &UnitConfiguration) -> BuiltDatapath {
     recorder.output("i", next.i);
     recorder.output("j", next.j);
     recorder.output("t", next.t);
+    recorder.output("at_border_v", next.at_border_v);
     recorder.output("corner_owed", next.corner_owed);
     recorder.output("corner_paid", next.corner_paid);
     recorder.output("steps", next.steps);

@@ -48,14 +48,15 @@ impl Ports {
 }
 
 /// Runs the unit's netlist beside the golden machine and compares every probe in every cycle.
-/// `observe` sees each cycle's number and the probes' values, as waveforms want them.
+/// `observe` sees each cycle's number, its inputs and the probes' values as the simulator has
+/// them.
 ///
 /// # Errors
 /// If the netlist cannot be simulated.
 pub fn run_embedded(
     unit: &TraverseUnit,
     run: &GoldenRun<'_>,
-    mut observe: impl FnMut(u64, &[u64], &[u64]),
+    mut observe: impl FnMut(u64, &CycleInputs<u64>, &[u64]),
 ) -> Result<Comparison, SimulateError> {
     let mut simulator = Simulator::new(&unit.design)?;
     let ports = Ports::new(&simulator)?;
@@ -97,7 +98,6 @@ pub fn run_embedded(
         ..Comparison::default()
     };
     let mut divergent_cycles = 0;
-    let mut expected = vec![0; unit.probes.len()];
     let mut found = vec![0; unit.probes.len()];
     run.run(unit.configuration.format, |inputs, outputs, words| {
         history.push(words);
@@ -106,22 +106,22 @@ pub fn run_embedded(
         let cycle = comparison.cycles;
         let mut differs = 0;
         for (place, (probe, &signal)) in unit.probes.iter().zip(&signals).enumerate() {
-            expected[place] = history.expected(probe);
+            let expected = history.expected(probe);
             found[place] = simulator.peek(signal);
-            if found[place] != expected[place] {
+            if found[place] != expected {
                 differs += 1;
                 if divergent_cycles == 0 {
                     comparison.first.push(Divergence {
                         cycle,
                         unit: probe.scope.join("."),
                         signal: probe.name.clone(),
-                        expected: expected[place],
+                        expected,
                         found: found[place],
                     });
                 }
             }
         }
-        observe(cycle, &expected, &found);
+        observe(cycle, inputs, &found);
         comparison.mismatches += differs;
         comparison.cycles += 1;
         comparison.cycles_compared += 1;

@@ -7,7 +7,7 @@
 use super::divergence::{Comparison, Divergence};
 use super::embedded::DIVERGENT_CYCLES;
 use super::golden::{GoldenRun, History};
-use super::waveform::traverse_declarations;
+use super::waveform::{waveform_options, waveform_signals};
 use crate::emit::{EmitError, write_design};
 use crate::netlist::Module;
 use crate::testbench::{TraverseBench, Verdict, stream_testbench, traverse_testbench};
@@ -184,19 +184,11 @@ impl Icarus {
     ) -> Result<(W, ConformReport), IcarusError> {
         let recorded = self.record(unit, run)?;
         let options = ConformOptions {
-            writer: WriterOptions {
-                shadows: true,
-                ..WriterOptions::default()
-            },
+            writer: waveform_options(unit, 0),
             ..conform_options()
         };
-        let declarations = traverse_declarations(unit);
-        Ok(conform(
-            recorded.waveform()?,
-            output,
-            &declarations,
-            &options,
-        )?)
+        let signals = waveform_signals(unit);
+        Ok(conform(recorded.waveform()?, output, &signals, &options)?)
     }
 
     /// Runs the traverse unit by its testbench and records its waveform.
@@ -309,10 +301,10 @@ fn compare(
     run: &GoldenRun<'_>,
     waveform: impl io::BufRead,
 ) -> Result<Comparison, WaveError> {
-    let declarations = traverse_declarations(unit);
-    // The probes are declared first, then the inputs.
-    let declarations = &declarations[..unit.probes.len()];
-    let mut samples = Samples::open(waveform, declarations, &conform_options())?;
+    let signals = waveform_signals(unit);
+    // The ports that are driven are declared first, then the probes.
+    let probes = &signals[signals.len() - unit.probes.len()..];
+    let mut samples = Samples::open(waveform, probes, &conform_options())?;
     let mut history = History::new(unit.latency);
     let mut comparison = Comparison {
         signals_compared: unit.probes.len() as u64,

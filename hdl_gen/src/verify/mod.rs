@@ -1,12 +1,12 @@
 //! Hardware held against the golden model, output by output and cycle by cycle.
 
-mod dependencies;
 mod divergence;
 mod embedded;
 mod golden;
 mod icarus;
 mod operands;
 mod record;
+mod simulator;
 mod stream;
 mod traverse;
 mod vectors;
@@ -19,8 +19,12 @@ pub use golden::{GoldenRun, History};
 pub use icarus::{Icarus, IcarusError};
 pub use operands::OperandSets;
 pub use record::{HarnessPlan, MemoryPorts};
+pub use simulator::{FindError, FoundSimulator, SimulatorChoice};
 pub use stream::StreamRun;
-pub use traverse::{run_verilator, traverse_plan};
+pub use traverse::{driven_words, run_verilator, traverse_plan};
 pub use vectors::run_vectors_embedded;
 pub use verilator::{TraceWindow, Verilator, VerilatorError, run_harness};
-pub use waveform::{golden_waveform, traverse_declarations};
+pub use waveform::{
+    SimulatedWaveform, conform_verilator, decoded_value, golden_waveform, units_in_the_last_place,
+    waveform_options, waveform_signals,
+};

@@ -64,6 +64,7 @@ impl StreamRun<'_> {
                 meaning: self.unit.node(wire).meaning,
                 word: place,
                 delay: 0,
+                sources: Vec::new(),
             }
         };
         let names = ["ready_o", "valid_o"]
@@ -123,7 +124,7 @@ impl StreamRun<'_> {
     }
 
     /// What a harness drives and compares.
-    fn plan(&self) -> HarnessPlan {
+    pub fn plan(&self) -> HarnessPlan {
         let mut driven = vec!["valid_i", "ready_i"];
         driven.extend(self.operand_ports());
         HarnessPlan::new(

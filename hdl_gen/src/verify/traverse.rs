@@ -13,7 +13,7 @@ use std::io::{self, Write};
 use std::ops::ControlFlow;
 
 /// The ports driven in every cycle, in the order of [`driven_words`].
-const DRIVEN: [&str; 7] = [
+pub(super) const DRIVEN: [&str; 7] = [
     "ray_valid_i",
     "ray_id_i",
     "ray_u_i",
@@ -23,7 +23,8 @@ const DRIVEN: [&str; 7] = [
     "hit_ready_i",
 ];
 
-fn driven_words(inputs: &CycleInputs<u64>) -> [u64; 7] {
+/// The words for the ports driven, in order.
+pub fn driven_words(inputs: &CycleInputs<u64>) -> [u64; 7] {
     [
         inputs.ray_valid.into(),
         inputs.ray_id.into(),

@@ -320,6 +320,18 @@ pub struct TraceWindow {
     pub last: u64,
 }
 
+/// Bytes handed to a harness at a time: a few hundred records.
+const BLOCK_BYTES: usize = 1 << 18;
+
+/// Makes a pipe hold several blocks, so that golden model and hardware seldom wait for each other.
+/// Where the system allows less the run is slower, and the same.
+fn widen(pipe: &std::process::ChildStdin) {
+    #[cfg(target_os = "linux")]
+    let _ = rustix::pipe::fcntl_setpipe_size(pipe, 4 * BLOCK_BYTES);
+    #[cfg(not(target_os = "linux"))]
+    let _ = pipe;
+}
+
 /// Runs a compiled harness. `golden` writes the records, each made by
 /// [`HarnessPlan::append_record`]; it should end when writing fails, for the harness hangs up
 /// after enough divergent cycles.
@@ -360,8 +372,8 @@ pub fn run_harness(
     let mut child = command.spawn().map_err(failed)?;
     {
         let stdin = child.stdin.take().expect("a piped standard input");
-        // A block is what a pipe holds: the two sides then work at the same time.
-        let mut stream = io::BufWriter::with_capacity(1 << 16, stdin);
+        widen(&stdin);
+        let mut stream = io::BufWriter::with_capacity(BLOCK_BYTES, stdin);
         match golden(&mut stream).and_then(|()| stream.flush()) {
             Err(problem) if problem.kind() != io::ErrorKind::BrokenPipe => {
                 return Err(failed(problem));

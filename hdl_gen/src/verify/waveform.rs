@@ -1,127 +1,203 @@
-//! The golden machine's waveform: what the unit's signals must show, without any simulator.
+//! The waveforms of a run, golden and simulated, with the same hierarchy and the same names.
 
-use super::dependencies::traverse_dependencies;
 use super::golden::{GoldenRun, History};
 use crate::netlist::Meaning;
-use crate::units::{CycleWords, Probe, TraverseUnit};
-use crate::wave::{LogicWord, SignalDeclaration, WaveError, Writer, WriterOptions};
-use rtl_model::machine::{CycleInputs, ID_BITS};
-use std::io::Write;
+use crate::units::{CycleWords, TraverseUnit};
+use crate::wave::{
+    ConformOptions, ConformReport, CycleNumbers, Dependency, EarlierSignal, LogicWord,
+    SignalDeclaration, UnitInputs, WaveError, Writer, WriterOptions, conform,
+};
+use rtl_model::machine::CycleInputs;
+use rtl_model::readings::HasFormat;
+use std::fmt::Debug;
+use std::io::{BufRead, Write};
 use std::ops::{ControlFlow, RangeInclusive};
 
-/// The signals of a golden waveform: the unit's probes, in their order, then its input ports.
-pub fn traverse_declarations(unit: &TraverseUnit) -> Vec<SignalDeclaration> {
+/// A clock period, in nanoseconds.
+const PERIOD_NS: u64 = 10;
+
+/// The signals of a traverse unit's waveform: its input ports, then its probes.
+pub fn waveform_signals(unit: &TraverseUnit) -> Vec<SignalDeclaration> {
+    let ports = super::traverse::DRIVEN.iter().map(|&name| {
+        let wire = unit.design.input(name).expect("a driven port is an input");
+        let node = unit.design.node(wire);
+        SignalDeclaration {
+            path: vec![unit.design.name.clone()],
+            name: name.to_owned(),
+            width: node.width,
+            meaning: node.meaning,
+        }
+    });
     let probes = unit.probes.iter().map(|probe| SignalDeclaration {
         path: probe.scope.clone(),
         name: probe.name.clone(),
         width: probe.width,
         meaning: probe.meaning,
     });
-    let float = Meaning::Float(unit.configuration.format);
-    let number_bits = unit.configuration.format.width();
-    let inputs = [
-        ("ray_valid_i", 1, Meaning::Bits),
-        ("ray_id_i", ID_BITS, Meaning::Bits),
-        ("ray_u_i", number_bits, float),
-        ("ray_v_i", number_bits, float),
-        ("ray_du_i", number_bits, float),
-        ("ray_dv_i", number_bits, float),
-        ("hit_ready_i", 1, Meaning::Bits),
-        (
-            "height_i",
-            unit.configuration.shape.height_bits,
-            Meaning::Bits,
-        ),
-    ];
-    let inputs = inputs.map(|(name, width, meaning)| SignalDeclaration {
-        path: vec![unit.design.name.clone()],
-        name: name.to_owned(),
-        width,
-        meaning,
-    });
-    probes.chain(inputs).collect()
+    ports.chain(probes).collect()
 }
 
-/// Writes the waveform of a golden run, from the first to the last cycle of `window` as far as the
-/// run has them: every signal the golden model knows, under the names and in the hierarchy of the
-/// Verilog, with the values of floats and signed integers beside their bits, and what each signal
-/// is computed from in comments. Returns the output and the cycles written.
+/// How a traverse unit's waveforms are written: decoded shadows beside the bits, and with every
+/// signal what it is computed from, so that a first cause can be told from its effects.
+pub fn waveform_options(unit: &TraverseUnit, first_cycle: u64) -> WriterOptions {
+    let known = |path: &str| {
+        unit.probes.iter().any(|probe| probe.path() == path)
+            || super::traverse::DRIVEN
+                .iter()
+                .any(|port| path == format!("traverse.{port}"))
+    };
+    let dependency = |probe: &crate::units::Probe| {
+        // A value that also depends on what the waveform does not show has no known cause.
+        let all_known = probe.sources.iter().all(|(path, _)| known(path));
+        (all_known && !probe.sources.is_empty()).then(|| Dependency {
+            signal: probe.path(),
+            inputs: probe
+                .sources
+                .iter()
+                .map(|(path, cycles)| EarlierSignal {
+                    signal: path.clone(),
+                    cycles_back: *cycles,
+                })
+                .collect(),
+        })
+    };
+    let ports = super::traverse::DRIVEN
+        .iter()
+        .map(|port| format!("traverse.{port}"))
+        .collect();
+    WriterOptions {
+        period_ns: PERIOD_NS,
+        first_cycle,
+        shadows: true,
+        dependencies: unit.probes.iter().filter_map(dependency).collect(),
+        unit_inputs: vec![UnitInputs {
+            unit: "traverse".to_owned(),
+            inputs: ports,
+        }],
+    }
+}
+
+/// The words of a cycle's input ports, as a waveform has them.
+fn port_words(inputs: &CycleInputs<u64>) -> impl Iterator<Item = LogicWord> {
+    super::traverse::driven_words(inputs)
+        .into_iter()
+        .map(LogicWord::from)
+}
+
+/// Writes the golden machine's waveform of a window of cycles.
 ///
 /// # Errors
-/// If the window holds no cycle of the run, or the output cannot be written.
-pub fn golden_waveform<W: Write>(
+/// If the output cannot be written.
+pub fn golden_waveform<H: HasFormat + Debug, W: Write>(
     unit: &TraverseUnit,
     run: &GoldenRun<'_>,
+    format: H,
     window: RangeInclusive<u64>,
     output: W,
-) -> Result<(W, u64), WaveError> {
-    let declarations = traverse_declarations(unit);
-    let options = WriterOptions {
-        first_cycle: *window.start(),
-        shadows: true,
-        dependencies: traverse_dependencies(unit, &declarations),
-        ..WriterOptions::default()
-    };
-    let mut writer = Writer::new(output, &declarations, &options)?;
-    let memory = run.pyramid.memory();
-    let is_address = |probe: &&Probe| probe.name == "height_address_o";
-    let address = unit.probes.iter().find(is_address);
-    let address_of = |words: &CycleWords| {
-        let probe = address.expect("the unit has a memory");
-        (words.0[probe.word] & probe.mask()) as usize
-    };
+) -> Result<W, WaveError> {
+    let options = waveform_options(unit, *window.start());
+    let mut writer = Writer::new(output, &waveform_signals(unit), &options)?;
     let mut history = History::new(unit.latency);
-    let mut values = Vec::with_capacity(declarations.len());
-    let mut height: Option<u64> = None;
     let mut cycle = 0;
-    let mut written = 0;
-    let mut problem = None;
-    run.run(unit.configuration.format, |inputs, _, words| {
+    let mut outcome = Ok(());
+    run.run(format, |inputs, _, words: &CycleWords| {
         history.push(words);
-        let next_height = u64::from(memory[address_of(words)]);
         if window.contains(&cycle) {
-            values.clear();
-            let probes = unit.probes.iter();
-            values.extend(probes.map(|probe| LogicWord::known(history.expected(probe))));
-            // Before cycle 0 the address was that of the idle ray, as it is in it.
-            let height = height.unwrap_or(next_height);
-            values.extend(input_words(inputs, height).map(LogicWord::known));
-            if let Err(error) = writer.cycle(1, &values) {
-                problem = Some(error);
-                return ControlFlow::Break(());
-            }
-            written += 1;
+            let probes = unit
+                .probes
+                .iter()
+                .map(|probe| LogicWord::from(history.expected(probe)));
+            let values: Vec<_> = port_words(inputs).chain(probes).collect();
+            outcome = writer.cycle(true, &values);
         }
-        height = Some(next_height);
         cycle += 1;
-        if cycle > *window.end() {
-            return ControlFlow::Break(());
+        match outcome.is_ok() && cycle <= *window.end() {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
         }
-        ControlFlow::Continue(())
     });
-    if let Some(problem) = problem {
-        return Err(problem);
-    }
-    if written == 0 {
-        return Err(WaveError::CycleNumber {
-            cycle: *window.start(),
-            reason: format!("the run has {cycle} cycles, counted from 0"),
-        });
-    }
-    Ok((writer.finish()?, written))
+    outcome?;
+    writer.finish()
 }
 
-/// The words of the input ports, in the order of their declarations.
-fn input_words(inputs: &CycleInputs<u64>, height: u64) -> impl Iterator<Item = u64> {
-    [
-        inputs.ray_valid.into(),
-        inputs.ray_id.into(),
-        inputs.ray.u,
-        inputs.ray.v,
-        inputs.ray.du,
-        inputs.ray.dv,
-        inputs.hit_ready.into(),
-        height,
-    ]
-    .into_iter()
+/// Writes what the embedded simulator shows, cycle by cycle.
+pub struct SimulatedWaveform<W: Write> {
+    writer: Writer<W>,
+    window: RangeInclusive<u64>,
+    outcome: Result<(), WaveError>,
+}
+
+impl<W: Write> SimulatedWaveform<W> {
+    /// A waveform of a window of cycles.
+    ///
+    /// # Errors
+    /// If the output cannot be written.
+    pub fn new(
+        unit: &TraverseUnit,
+        window: RangeInclusive<u64>,
+        output: W,
+    ) -> Result<Self, WaveError> {
+        let options = waveform_options(unit, *window.start());
+        let writer = Writer::new(output, &waveform_signals(unit), &options)?;
+        Ok(SimulatedWaveform {
+            writer,
+            window,
+            outcome: Ok(()),
+        })
+    }
+
+    /// Takes a cycle, in the form in which [`super::run_embedded`] shows it.
+    pub fn observe(&mut self, cycle: u64, inputs: &CycleInputs<u64>, probes: &[u64]) {
+        if self.outcome.is_ok() && self.window.contains(&cycle) {
+            let probes = probes.iter().map(|&value| LogicWord::from(value));
+            let values: Vec<_> = port_words(inputs).chain(probes).collect();
+            self.outcome = self.writer.cycle(true, &values);
+        }
+    }
+
+    /// The finished waveform.
+    ///
+    /// # Errors
+    /// If it could not be written.
+    pub fn finish(self) -> Result<W, WaveError> {
+        self.outcome?;
+        self.writer.finish()
+    }
+}
+
+/// Brings Verilator's own waveform into the golden one's form.
+///
+/// # Errors
+/// If it cannot be read, lacks a signal, or the output cannot be written.
+pub fn conform_verilator<W: Write>(
+    unit: &TraverseUnit,
+    raw: impl BufRead,
+    first_cycle: u64,
+    output: W,
+) -> Result<(W, ConformReport), WaveError> {
+    let options = ConformOptions {
+        name: "Verilator's waveform".to_owned(),
+        // The scope Verilator wraps around every design.
+        strip: "TOP".to_owned(),
+        rename: Vec::new(),
+        clock: "TOP.clk_i".to_owned(),
+        reset: Some("TOP.rst_ni".to_owned()),
+        cycles: CycleNumbers::ByTime,
+        writer: waveform_options(unit, first_cycle),
+    };
+    conform(raw, output, &waveform_signals(unit), &options)
+}
+
+/// A value as a person reads it.
+pub fn decoded_value(meaning: Meaning, width: u32, value: u64) -> String {
+    crate::wave::decoded(meaning, width, LogicWord::from(value)).unwrap_or_default()
+}
+
+/// How many representable numbers two floats of a signal lie apart; `None` for other signals, and
+/// where a value is no number.
+pub fn units_in_the_last_place(meaning: Meaning, a: u64, b: u64) -> Option<u64> {
+    match meaning {
+        Meaning::Float(format) => crate::wave::steps_between(format, a, b),
+        Meaning::Bits | Meaning::Signed => None,
+    }
 }

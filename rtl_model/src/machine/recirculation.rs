@@ -30,7 +30,7 @@ pub enum RegisterKind {
 
 /// The registers in front of the pipeline's first stage, in the order of [`StageEntry::inputs`]:
 /// first what a ray keeps, then what its walk changes. The netlist is built from this list.
-pub const STEP_INPUTS: [(&str, RegisterKind); 18] = [
+pub const STEP_INPUTS: [(&str, RegisterKind); 19] = [
     ("u", RegisterKind::Number),
     ("v", RegisterKind::Number),
     ("du", RegisterKind::Number),
@@ -43,6 +43,7 @@ pub const STEP_INPUTS: [(&str, RegisterKind); 18] = [
     ("i", RegisterKind::Integer(INDEX_BITS)),
     ("j", RegisterKind::Integer(INDEX_BITS)),
     ("t", RegisterKind::Number),
+    ("at_border_v", RegisterKind::Bit),
     ("corner_owed", RegisterKind::Bit),
     ("corner_paid", RegisterKind::Bit),
     ("steps", RegisterKind::Integer(COUNTER_BITS)),
@@ -259,6 +260,7 @@ fn enter<R: Word>(
             walk.i as u64,
             walk.j as u64,
             word(walk.t),
+            walk.at_border_v.into(),
             walk.corner_owed.into(),
             walk.corner_paid.into(),
             walk.steps as u64,

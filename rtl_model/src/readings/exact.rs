@@ -46,7 +46,7 @@ impl ExactReading {
         }
     }
 
-    fn from_f64(&mut self, value: f64) -> ExactNum {
+    fn exactly(&mut self, value: f64) -> ExactNum {
         let value = BigRational::from_float(value).expect("rays are checked to be finite");
         self.number(value)
     }
@@ -132,10 +132,10 @@ impl Arith for ExactReading {
 
 impl NumberFormat for ExactReading {
     fn coordinate(&mut self, value: f64) -> ExactNum {
-        self.from_f64(value)
+        self.exactly(value)
     }
     fn direction(&mut self, value: f64) -> ExactNum {
-        self.from_f64(value)
+        self.exactly(value)
     }
     fn to_f64(&self, value: ExactNum) -> f64 {
         match self.value(value) {

@@ -21,6 +21,7 @@ pub use native::F64Reading;
 pub use traced::{Traced, Word};
 
 use crate::arith::Concrete;
+use crate::ray::Ray;
 
 /// A reading that numbers of the outside world enter and leave.
 pub trait NumberFormat: Concrete {
@@ -32,4 +33,14 @@ pub trait NumberFormat: Concrete {
     fn to_f64(&self, value: Self::Num) -> f64;
     /// Forgets the values made so far, where the reading keeps them: call between rays.
     fn forget(&mut self) {}
+}
+
+/// A ray in a reading's numbers: each of its own rounded once, as [`NumberFormat`] says.
+pub fn enter<R: NumberFormat>(reading: &mut R, ray: Ray<f64>) -> Ray<R::Num> {
+    Ray {
+        u: reading.coordinate(ray.u),
+        v: reading.coordinate(ray.v),
+        du: reading.direction(ray.du),
+        dv: reading.direction(ray.dv),
+    }
 }

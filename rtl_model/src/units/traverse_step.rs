@@ -18,10 +18,19 @@
 //!   asked of the upper bound, and t advances to the lower one;
 //! - a child is the far one of its axis only if the truncated distance travelled has reached an
 //!   upward-rounded midline: else the near child is visited first and left again;
+//! - a ray that is on the midline at t has not left the near child before t, so the near child is
+//!   the one, with two exceptions of the definition: at the start a ray belongs to the texel it
+//!   travels into, and through a corner u is crossed first, so that after a crossing of v a ray on
+//!   the midline of u has crossed that too;
 //! - which border comes first is not always certain. Where the two exits lie within each other's
 //!   bounds, the ray passes so close to a corner that either of two nodes may hold a sliver of it.
 //!   Then the step crosses u first, owing a visit to the node on the other side of the corner; the
 //!   next crossing pays that visit, and the one after it goes on behind the corner.
+//!
+//! The bounds hold for a float `eXfY` and a map of `2^L` texels a side if no node border or
+//! distance to one is flushed or rounded unawares: exponent bias at least `L + Y + 2`, and at most
+//! `2^(Y-2)` texels from top to bottom ([`crate::ray::reach_in`]). The unit's own format e7f16 satisfies both for every map
+//! and every ray within reach.
 //!
 //! In a reading that does not round, both bounds are one and the last case never arises.
 
@@ -38,11 +47,11 @@ pub const EXACT_EXIT_ULPS: u32 = 1;
 /// the quotient sees as less than two (its significand may be the smaller one).
 pub const ROUNDED_EXIT_ULPS: u32 = 3;
 
-/// Bits of a node index, signed: a walk starts in texels -4096 to 4095 and reaches 2^15 texels.
-pub const INDEX_BITS: u32 = 17;
+/// Bits of a node index, signed: a walk starts in texels -4096 to 4095 and reaches 2^14 texels.
+pub const INDEX_BITS: u32 = 16;
 
 /// Bits of the step and crossing counters, signed: enough for [`TraverseShape::step_bound`].
-pub const COUNTER_BITS: u32 = 18;
+pub const COUNTER_BITS: u32 = 17;
 
 /// Bits of a level, signed: 0 to 12, and -1 in passing.
 pub const LEVEL_BITS: u32 = 5;
@@ -88,6 +97,8 @@ pub struct WalkRegisters<A: Arith> {
     pub j: A::Int,
     /// Depth reached: never later than the ray truly is.
     pub t: A::Num,
+    /// The depth t is that at which a border of v was crossed.
+    pub at_border_v: A::Bit,
     /// A corner was in doubt and u was crossed first: the node across the corner is owed a visit.
     pub corner_owed: A::Bit,
     /// The visit across the corner is being paid: the next crossing goes behind the corner.
@@ -139,6 +150,7 @@ pub fn walk_start<A: Arith>(
         i,
         j,
         t: a.zero(),
+        at_border_v: no,
         corner_owed: no,
         corner_paid: no,
         steps: none,
@@ -251,8 +263,21 @@ pub fn traverse_step<A: Arith>(
     a.name_num("travelled_u", travelled_u);
     let travelled_v = a.mul(TowardZero, t, ray.dv);
     a.name_num("travelled_v", travelled_v);
-    let far_u = far_child(a, &axis_u, size_exponent, walk.i, travelled_u);
-    let far_v = far_child(a, &axis_v, size_exponent, walk.j, travelled_v);
+    // A t that gets further in this step is no longer that of the crossing.
+    let t_is_old = a.not(gets_further);
+    a.name_bit("t_is_old", t_is_old);
+    let still_at_border_v = a.and(walk.at_border_v, t_is_old);
+    a.name_bit("still_at_border_v", still_at_border_v);
+    let never = a.bit_constant(false);
+    let far_u = far_child(
+        a,
+        &axis_u,
+        size_exponent,
+        walk.i,
+        travelled_u,
+        still_at_border_v,
+    );
+    let far_v = far_child(a, &axis_v, size_exponent, walk.j, travelled_v, never);
     let owed = walk.corner_owed;
     let paid = walk.corner_paid;
     let not_owed = a.not(owed);
@@ -331,6 +356,17 @@ pub fn traverse_step<A: Arith>(
     let j = a.int_wrap(j, INDEX_BITS);
     a.name_int("next_j", j);
 
+    let crosses_u = a.and(crosses, i_forward);
+    a.name_bit("crosses_u", crosses_u);
+    let not_across_u = a.not(i_forward);
+    let crosses_v = a.and(crosses, not_across_u);
+    a.name_bit("crosses_v", crosses_v);
+    let not_across_u_now = a.not(crosses_u);
+    a.name_bit("not_across_u_now", not_across_u_now);
+    let stays_at_border_v = a.and(still_at_border_v, not_across_u_now);
+    a.name_bit("stays_at_border_v", stays_at_border_v);
+    let at_border_v = a.or(crosses_v, stays_at_border_v);
+    a.name_bit("next_at_border_v", at_border_v);
     let straight = a.and(not_owed, not_paid);
     a.name_bit("straight", straight);
     let doubt_begins = a.and(straight, corner_in_doubt);
@@ -388,6 +424,7 @@ pub fn traverse_step<A: Arith>(
             i,
             j,
             t,
+            at_border_v,
             corner_owed,
             corner_paid,
             steps,
@@ -416,6 +453,9 @@ struct AxisNames {
     midline: &'static str,
     midline_distance: &'static str,
     past_midline: &'static str,
+    reached_midline: &'static str,
+    started_on_midline: &'static str,
+    tie_crossed: &'static str,
 }
 
 static AXIS_U: AxisNames = AxisNames {
@@ -432,6 +472,9 @@ static AXIS_U: AxisNames = AxisNames {
     midline: "midline_u",
     midline_distance: "midline_distance_u",
     past_midline: "past_midline_u",
+    reached_midline: "reached_midline_u",
+    started_on_midline: "started_on_midline_u",
+    tie_crossed: "tie_crossed_u",
 };
 static AXIS_V: AxisNames = AxisNames {
     next_index: "next_border_j",
@@ -447,6 +490,9 @@ static AXIS_V: AxisNames = AxisNames {
     midline: "midline_v",
     midline_distance: "midline_distance_v",
     past_midline: "past_midline_v",
+    reached_midline: "reached_midline_v",
+    started_on_midline: "started_on_midline_v",
+    tie_crossed: "tie_crossed_v",
 };
 
 /// What the step needs of a ray on one axis.
@@ -489,12 +535,15 @@ fn exit<A: Arith>(a: &mut A, axis: &Axis<A>, size_exponent: A::Int, index: A::In
     Exit { depth, bound }
 }
 
+/// Is the ray in the child on the far side of the midline? On the midline it is in the near one,
+/// unless it started there, or `crosses_ties`.
 fn far_child<A: Arith>(
     a: &mut A,
     axis: &Axis<A>,
     size_exponent: A::Int,
     index: A::Int,
     travelled: A::Num,
+    crosses_ties: A::Bit,
 ) -> A::Bit {
     let names = axis.names;
     let one = a.int_constant(1);
@@ -507,9 +556,16 @@ fn far_child<A: Arith>(
     a.name_num(names.midline, midline);
     let distance = a.sub(Up, midline, axis.coordinate);
     a.name_num(names.midline_distance, distance);
-    let past = a.less_equal(distance, travelled);
+    let past = a.less_than(distance, travelled);
     a.name_bit(names.past_midline, past);
-    past
+    let reached = a.less_equal(distance, travelled);
+    a.name_bit(names.reached_midline, reached);
+    let started_there = a.is_zero(distance);
+    a.name_bit(names.started_on_midline, started_there);
+    let tie_crossed = a.and(reached, crosses_ties);
+    a.name_bit(names.tie_crossed, tie_crossed);
+    let past = a.or(past, started_there);
+    a.or(past, tie_crossed)
 }
 
 fn child_index<A: Arith>(

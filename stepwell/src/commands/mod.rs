@@ -3,6 +3,8 @@
 mod plan;
 mod render;
 mod trace;
+mod verify;
+mod wavediff;
 
 use clap::Subcommand;
 
@@ -19,6 +21,8 @@ pub enum Outcome {
 pub enum Command {
     Render(render::Arguments),
     Trace(trace::Arguments),
+    Verify(verify::Arguments),
+    Wavediff(wavediff::Arguments),
     Plan(plan::Arguments),
 }
 
@@ -31,6 +35,8 @@ impl Command {
         match self {
             Command::Render(arguments) => render::run(arguments),
             Command::Trace(arguments) => trace::run(arguments),
+            Command::Verify(arguments) => verify::run(arguments),
+            Command::Wavediff(arguments) => wavediff::run(arguments),
             Command::Plan(arguments) => plan::run(arguments),
         }
     }

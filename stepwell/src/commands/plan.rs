@@ -19,7 +19,7 @@ use crate::terminal;
 /// A scene pays only for what it asks for: a unit that is not listed is not in its Verilog, is not
 /// simulated and takes no area.
 #[derive(Args, Debug)]
-#[command(after_help = "Example: stepwell plan scenes/first.toml")]
+#[command(after_help = "Example:\n  stepwell plan scenes/first.toml")]
 pub struct Arguments {
     #[command(flatten)]
     scene: SceneOptions,

@@ -23,7 +23,7 @@ use crate::{progress, terminal};
 /// does, and writes shaded.png, steps.png and depth.png: all three or none. Exit code 1 says that
 /// some ray found no hit within the step bound.
 #[derive(Args, Debug)]
-#[command(after_help = "Example: stepwell render scenes/first.toml -o out/first")]
+#[command(after_help = "Example:\n  stepwell render scenes/first.toml -o out/first")]
 pub struct Arguments {
     #[command(flatten)]
     scene: SceneOptions,

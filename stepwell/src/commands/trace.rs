@@ -36,8 +36,8 @@ use crate::{progress, terminal};
 #[derive(Args, Debug)]
 #[command(
     mut_arg("map", |map| map.required(true)),
-    after_help = "Example: printf 'u,v,du,dv\\n0.5,0.25,0.1,-0x1p-2\\n' | stepwell trace --map \
-                  procedural:rocks:256:1 --rays -"
+    after_help = "Example:\n  printf 'u,v,du,dv\\n0.5,0.25,0.1,-0x1p-2\\n' |\n    \
+                  stepwell trace --map procedural:rocks:256:1 --rays -"
 )]
 pub struct Arguments {
     #[command(flatten)]

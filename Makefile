@@ -1,0 +1,39 @@
+# Every target can be the first thing that is run in a fresh clone: it installs what it needs.
+.DEFAULT_GOAL := help
+.PHONY: help demo test vectors bench tools doc lint clean
+
+# The project's own Verilator, where tools/install had to make one, goes before the system's.
+ENVIRONMENT := . tools/environment;
+STEPWELL := cargo run --release --locked --quiet --package stepwell --
+
+help: ## this list
+	@sed -n 's/^\([a-z]*\):[a-z ]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 16
+
+demo: tools ## render a scene, run its Verilog beside the golden model, compare every cycle
+	@$(ENVIRONMENT) tools/demo
+
+test: lint ## everything CI checks: format, lints, documentation, all tests
+	$(ENVIRONMENT) cargo test --workspace --locked --doc
+	$(ENVIRONMENT) cargo test --workspace --locked --lib --bins --tests --examples
+
+vectors: tools ## rewrite the committed vectors under vectors/; git diff shows what changed
+	$(ENVIRONMENT) $(STEPWELL) vectors -o vectors
+
+bench: tools ## speed of the golden model and of the harness, as ratios within one run
+	$(ENVIRONMENT) cargo bench --workspace --locked
+
+tools: ## install the C++ compiler, Verilator, Icarus and Yosys where they are missing
+	@tools/install
+
+lint: tools ## formatting, clippy and documentation, every warning an error; the shell scripts
+	tools/install_test
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets --locked -- -D warnings
+	RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --locked --quiet
+
+doc: tools ## the libraries' documentation, in target/doc
+	cargo doc --workspace --no-deps --locked
+
+clean: ## remove everything built, downloaded or written here
+	cargo clean
+	rm -rf out .venv

@@ -1,0 +1,232 @@
+//! A scene's frame through the traverse unit.
+
+use std::fs::File;
+use std::io::{BufReader, BufWriter};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, bail};
+
+use hdl_gen::datapath::OperatorLatencies;
+use hdl_gen::digest::netlist_digest;
+use hdl_gen::emit::write_design;
+use hdl_gen::fault::plant;
+use hdl_gen::operators::FloatOperator;
+use hdl_gen::units::{TraverseUnit, UnitConfiguration};
+use hdl_gen::verify::{
+    Comparison, FoundSimulator, GoldenRun, SimulatedWaveform, TraceWindow, conform_verilator,
+    golden_waveform, run_embedded, run_verilator, traverse_plan,
+};
+use rtl_model::float::FloatFormat;
+use rtl_model::machine::{ID_BITS, StallPattern};
+use rtl_model::maps::Pyramid;
+use rtl_model::ray::Ray;
+use rtl_model::readings::{E7F16, FloatReading, enter};
+use rtl_model::scene::{Scene, WalkFormat};
+use rtl_model::units::traverse::shape_for;
+use rtl_model::walker::Walker;
+
+use super::summary::{SignalFacts, Summary, decode};
+use super::{Arguments, Outcome};
+use crate::output::OutputFolder;
+use crate::progress;
+
+/// Verifies the frame of a scene.
+pub fn verify(arguments: &Arguments, path: &Path) -> anyhow::Result<Outcome> {
+    let scene = arguments.replacements.load(path)?;
+    let map = scene.load_map()?;
+    let pyramid = Pyramid::new(&map);
+    let rays = frame_rays(&scene, &pyramid)?;
+    let name = scene.map.source.to_string();
+    verify_rays(arguments, &scene, &name, &pyramid, &rays)
+}
+
+/// The frame's rays as bits of the scene's format.
+fn frame_rays(scene: &Scene, pyramid: &Pyramid) -> anyhow::Result<Vec<Ray<u64>>> {
+    let format = hardware_format(scene)?;
+    let walker = Walker::new(scene.walk, pyramid);
+    let mut reading = FloatReading(format);
+    let rays = scene.view().rays(pyramid.size())?;
+    rays.into_iter()
+        .flatten()
+        .map(|ray| Ok(enter(&mut reading, walker.admit(ray)?)))
+        .collect()
+}
+
+fn hardware_format(scene: &Scene) -> anyhow::Result<FloatFormat> {
+    match scene.walk.format {
+        WalkFormat::Float(format) => {
+            FloatOperator::Add.check(format)?;
+            Ok(format)
+        }
+        other => bail!("format {other} has no hardware: take a float eXfY, such as --format e7f16"),
+    }
+}
+
+fn verify_rays(
+    arguments: &Arguments,
+    scene: &Scene,
+    map: &str,
+    pyramid: &Pyramid,
+    rays: &[Ray<u64>],
+) -> anyhow::Result<Outcome> {
+    if rays.is_empty() {
+        bail!(
+            "scene {}: no pixel has a ray, so there is nothing to verify",
+            scene.name
+        );
+    }
+    if rays.len() > 1 << ID_BITS {
+        bail!(
+            "scene {}: {} rays are more than the unit's ids of {ID_BITS} bits tell apart; take a \
+             smaller --size",
+            scene.name,
+            rays.len()
+        );
+    }
+    let simulator = arguments.sim.find()?;
+    let folder = arguments
+        .output
+        .as_deref()
+        .map(OutputFolder::prepare)
+        .transpose()?;
+    let mut unit = TraverseUnit::build(UnitConfiguration {
+        shape: shape_for(pyramid),
+        format: hardware_format(scene)?,
+        latencies: OperatorLatencies::PAPER,
+    });
+    if let Some(fault) = &arguments.plant_fault {
+        unit.design = plant(&unit.design, &fault.signal, fault.bit)?;
+    }
+    let run = GoldenRun {
+        pyramid,
+        rays,
+        stalls: StallPattern::one_in_eight(arguments.seed as u16),
+        latency: unit.latency,
+    };
+    let start = Instant::now();
+    if let FoundSimulator::Verilator(verilator) = &simulator {
+        let plan = traverse_plan(&unit, &run);
+        verilator.build(&unit.design, &plan, arguments.vcd.is_some())?;
+    }
+    let build_seconds = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let mut files = Vec::new();
+    let comparison = match &folder {
+        None => simulate(arguments, &simulator, &unit, &run, None)?,
+        Some(folder) => {
+            let mut comparison = None;
+            folder.publish(|folder| {
+                write_design(&unit.design, folder)?;
+                comparison = Some(simulate(arguments, &simulator, &unit, &run, Some(folder))?);
+                Ok(())
+            })?;
+            let output = arguments.output.clone().unwrap_or_default();
+            files.push(output.join(format!("{}.v", unit.design.name)));
+            if arguments.vcd.is_some() {
+                files.extend(["golden.vcd", "hardware.vcd"].map(|name| output.join(name)));
+            }
+            comparison.context("the run left no comparison")?
+        }
+    };
+    let signals: Vec<SignalFacts> = unit
+        .probes
+        .iter()
+        .map(|probe| SignalFacts {
+            path: probe.path(),
+            width: probe.width,
+            meaning: probe.meaning,
+            sources: probe.sources.clone(),
+        })
+        .collect();
+    Summary {
+        schema: "stepwell-verify-1",
+        unit: unit.design.name.clone(),
+        simulator: simulator.name().to_owned(),
+        simulator_version: simulator.version().to_owned(),
+        format: scene.walk.format.to_string(),
+        method: Some(scene.walk.method.to_string()),
+        map: Some(map.to_owned()),
+        rays: comparison.rays,
+        rays_sent: rays.len() as u64,
+        exhaustive: false,
+        guards: comparison.guards,
+        mismatches: comparison.mismatches,
+        cycles: comparison.cycles,
+        cycles_compared: comparison.cycles_compared,
+        signals_compared: comparison.signals_compared,
+        seconds: start.elapsed().as_secs_f64(),
+        build_seconds,
+        netlist_digest: netlist_digest(&unit.design),
+        planted_fault: arguments
+            .plant_fault
+            .as_ref()
+            .map(|fault| format!("{}:{}", fault.signal, fault.bit)),
+        seed: arguments.seed,
+        first_divergence: decode(&comparison, &signals),
+        files,
+    }
+    .answer(arguments.answer.json)
+}
+
+/// Runs the hardware, and writes the waveforms that are asked for.
+fn simulate(
+    arguments: &Arguments,
+    simulator: &FoundSimulator,
+    unit: &TraverseUnit,
+    run: &GoldenRun<'_>,
+    folder: Option<&Path>,
+) -> anyhow::Result<Comparison> {
+    let window = arguments.vcd.as_ref().map(|window| window.0.clone());
+    let waveforms = folder.zip(window);
+    let format = unit.configuration.format;
+    if let Some((folder, window)) = &waveforms {
+        let output = create(&folder.join("golden.vcd"))?;
+        golden_waveform(unit, run, format, window.clone(), output)?;
+    }
+    match simulator {
+        FoundSimulator::Embedded => match waveforms {
+            None => Ok(run_embedded(unit, run, |_, _, _| {})?),
+            Some((folder, window)) => {
+                let output = create(&folder.join("hardware.vcd"))?;
+                let mut waveform = SimulatedWaveform::new(unit, window, output)?;
+                let comparison = run_embedded(unit, run, |cycle, inputs, probes| {
+                    waveform.observe(cycle, inputs, probes);
+                })?;
+                waveform.finish()?;
+                Ok(comparison)
+            }
+        },
+        FoundSimulator::Verilator(verilator) => {
+            let raw = tempfile::NamedTempFile::new().context("a temporary file")?;
+            let trace = waveforms.as_ref().map(|(_, window)| TraceWindow {
+                file: raw.path().to_owned(),
+                first: *window.start(),
+                last: *window.end(),
+            });
+            let bar = progress::bar(run.rays.len() as u64, "rays");
+            let advance = |rays| bar.set_position(rays);
+            let comparison = match format {
+                // The format the unit is made for: its arithmetic compiled for it.
+                FloatFormat::E7F16 => {
+                    run_verilator(verilator, unit, run, E7F16, trace.as_ref(), advance)
+                }
+                other => run_verilator(verilator, unit, run, other, trace.as_ref(), advance),
+            };
+            bar.finish_and_clear();
+            let comparison = comparison?;
+            if let Some((folder, window)) = waveforms {
+                let input = BufReader::new(File::open(raw.path()).context("Verilator's waveform")?);
+                let output = create(&folder.join("hardware.vcd"))?;
+                conform_verilator(unit, input, *window.start(), output)?;
+            }
+            Ok(comparison)
+        }
+    }
+}
+
+fn create(path: &PathBuf) -> anyhow::Result<BufWriter<File>> {
+    let file =
+        File::create(path).with_context(|| format!("{}: cannot be written", path.display()))?;
+    Ok(BufWriter::new(file))
+}
