@@ -66,7 +66,7 @@ fn stream(latency: u32, pairs: usize, offer_percent: u64, take_percent: u64) -> 
         }
         simulator.clock();
     }
-    assert_eq!(expected, [], "results of no pair");
+    assert!(expected.is_empty(), "results of no pair: {expected:?}");
     simulator.cycles()
 }
 

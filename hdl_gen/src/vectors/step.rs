@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use rtl_model::float::{FloatFormat, Rounding};
 use rtl_model::machine::STEP_INPUTS;
 use rtl_model::maps::Pyramid;
-use rtl_model::ray::{REACH_TEXELS, Ray};
+use rtl_model::ray::{Ray, reach_in};
 use rtl_model::readings::FloatReading;
 use rtl_model::units::traverse::shape_for;
 use rtl_model::units::traverse_setup::{RayRegisters, traverse_setup};
@@ -63,6 +63,7 @@ struct Kind {
     at_root: bool,
     at_level_0: bool,
     outcome: Outcome,
+    at_border_v: bool,
     corner: (bool, bool),
     owes_next: bool,
 }
@@ -190,6 +191,7 @@ impl Chosen<'_> {
             } else {
                 Outcome::CrossesV
             },
+            at_border_v: walk.at_border_v,
             corner: (walk.corner_owed, walk.corner_paid),
             owes_next: next.corner_owed,
         }
@@ -212,6 +214,7 @@ fn register(ray: &RayRegisters<Reading>, walk: &WalkRegisters<Reading>, port: &s
         "i" => walk.i as u64,
         "j" => walk.j as u64,
         "t" => walk.t,
+        "at_border_v" => walk.at_border_v.into(),
         "corner_owed" => walk.corner_owed.into(),
         "corner_paid" => walk.corner_paid.into(),
         "steps" => walk.steps as u64,
@@ -235,7 +238,7 @@ fn corner_rays(format: FloatFormat, size: u32) -> Vec<Ray<u64>> {
         format.one() - 1,
         number(1.5 / f64::from(size)),
     ];
-    let reach = number(REACH_TEXELS / f64::from(size)).min(format.max_finite());
+    let reach = number(reach_in(format.fraction_bits) / f64::from(size)).min(format.max_finite());
     let directions = [
         0,
         format.sign_bit(),
@@ -293,8 +296,8 @@ fn meaning(port: &str) -> &'static str {
         "position_v_o" => "position on v after the step, not mirrored",
         "texel_i_o" => "texel on u, once the walk has ended",
         "texel_j_o" => "texel on v, once the walk has ended",
-        "u_i" | "u_o" => "entry coordinate, mirrored",
-        "v_i" | "v_o" => "entry coordinate, mirrored",
+        "u_i" | "u_o" => "entry coordinate, mirrored where the ray is",
+        "v_i" | "v_o" => "entry coordinate, mirrored where the ray is",
         "du_i" | "du_o" => "offset on u for one unit of depth, mirrored: not negative",
         "dv_i" | "dv_o" => "offset on v for one unit of depth, mirrored: not negative",
         "exact_below_u_i" | "exact_below_u_o" => "differences with u are exact below this",
@@ -305,6 +308,7 @@ fn meaning(port: &str) -> &'static str {
         "i_i" | "i_o" => "index of the node on u, mirrored, not wrapped",
         "j_i" | "j_o" => "index of the node on v, mirrored, not wrapped",
         "t_i" | "t_o" => "depth reached, 0 top to 1 bottom",
+        "at_border_v_i" | "at_border_v_o" => "the depth reached is that of a border of v crossed",
         "corner_owed_i" | "corner_owed_o" => "the node across a corner is owed a visit",
         "corner_paid_i" | "corner_paid_o" => "the visit across a corner is being paid",
         "steps_i" | "steps_o" => "steps taken",
