@@ -23,5 +23,5 @@ pub use manifest::{Manifest, ManifestField, ManifestFile};
 pub use operators::{OperatorChoice, operator_vectors};
 pub use rays::{RayVectors, ray_vectors, scene_rays};
 pub use set::VectorSet;
-pub use step::step_vectors;
+pub use step::{idle_step_results, step_vectors};
 pub use write::{VectorPlan, write_vectors};

@@ -55,6 +55,42 @@ pub fn step_vectors(
     chosen.set
 }
 
+/// What the step answers to inputs that are all zero bits: what stands in the gaps of its
+/// pipeline. In the order of the unit's outputs, the handshakes aside.
+pub fn idle_step_results(unit: &Module, format: FloatFormat, pyramid: &Pyramid) -> Vec<u64> {
+    let mut chosen = Chosen {
+        reading: FloatReading(format),
+        shape: shape_for(pyramid),
+        pyramid,
+        set: VectorSet::new(fields(unit)),
+        kinds: HashMap::new(),
+        steps: 0,
+    };
+    let ray = RayRegisters {
+        u: 0,
+        v: 0,
+        du: 0,
+        dv: 0,
+        exact_below_u: 0,
+        exact_below_v: 0,
+        mirror_u: false,
+        mirror_v: false,
+    };
+    let walk = WalkRegisters {
+        level: 0,
+        ..walk_start(&mut chosen.reading, chosen.shape, 0, 0)
+    };
+    let address = node_address(&mut chosen.reading, chosen.shape, &ray, &walk);
+    let (vector, _) = chosen.step_at(&ray, &walk, address, 0);
+    let inputs = chosen
+        .set
+        .fields
+        .iter()
+        .filter(|field| field.role == Role::Input)
+        .count();
+    vector[inputs..].to_vec()
+}
+
 /// What makes a step different from others: where the ray goes, where in the pyramid it is, what
 /// it does, what it owes.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -149,6 +185,17 @@ impl Chosen<'_> {
     ) -> (Vec<u64>, StepResult<Reading>) {
         let address = node_address(&mut self.reading, self.shape, ray, walk);
         let height = i64::from(self.pyramid.memory()[address as usize]);
+        self.step_at(ray, walk, address, height)
+    }
+
+    /// The same with a height that need not be the node's.
+    fn step_at(
+        &mut self,
+        ray: &RayRegisters<Reading>,
+        walk: &WalkRegisters<Reading>,
+        address: i64,
+        height: i64,
+    ) -> (Vec<u64>, StepResult<Reading>) {
         let result = traverse_step(&mut self.reading, self.shape, ray, walk, height);
         let vector = self.set.fields.iter().map(|field| {
             let value = match (field.role, field.name.as_str()) {

@@ -13,9 +13,7 @@ use crate::netlist::Module;
 use crate::testbench::{TraverseBench, Verdict, stream_testbench, traverse_testbench};
 use crate::units::TraverseUnit;
 use crate::vectors::{RayVectors, VectorSet, ray_vectors};
-use crate::wave::{
-    ConformOptions, CycleNumbers, LogicWord, Samples, WaveError, WriterOptions,
-};
+use crate::wave::{ConformOptions, CycleNumbers, LogicWord, Samples, WaveError, WriterOptions};
 use rtl_model::units::traverse::Status;
 use std::fs::{self, File};
 use std::io::{self, BufReader};

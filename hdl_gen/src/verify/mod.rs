@@ -20,7 +20,7 @@ pub use icarus::{Icarus, IcarusError};
 pub use operands::OperandSets;
 pub use record::{HarnessPlan, MemoryPorts};
 pub use simulator::{FindError, FoundSimulator, SimulatorChoice};
-pub use stream::StreamRun;
+pub use stream::{StreamRun, VectorSource};
 pub use traverse::{driven_words, run_verilator, traverse_plan};
 pub use vectors::run_vectors_embedded;
 pub use verilator::{TraceWindow, Verilator, VerilatorError, run_harness};

@@ -2,15 +2,20 @@
 
 use super::divergence::{Comparison, Divergence};
 use super::embedded::DIVERGENT_CYCLES;
+use super::icarus::{Icarus, IcarusError};
 use super::record::HarnessPlan;
 use super::verilator::{TraceWindow, Verilator, VerilatorError, run_harness};
 use crate::netlist::Module;
 use crate::simulate::{SimulateError, Simulator};
 use crate::units::Probe;
+use crate::vectors::{Field, FieldFormat, Role, VectorSet};
 use rtl_model::machine::{StallPattern, StreamMachine};
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::sync::Arc;
+
+/// Puts the k-th operand set into the first vector and its golden results into the second.
+pub type VectorSource<'a> = dyn Fn(u64, &mut Vec<u64>, &mut Vec<u64>) + 'a;
 
 /// A stream unit, and what is to be sent through it.
 pub struct StreamRun<'a> {
@@ -18,9 +23,9 @@ pub struct StreamRun<'a> {
     pub unit: &'a Arc<Module>,
     /// Operand sets to send.
     pub count: u64,
-    /// Puts the k-th operand set into the first vector and its golden results into the second, in
-    /// the order of the unit's ports. Called in order.
-    pub vectors: &'a dyn Fn(u64, &mut Vec<u64>, &mut Vec<u64>),
+    /// The operand sets and their golden results, in the order of the unit's ports. Called in
+    /// order.
+    pub vectors: &'a VectorSource<'a>,
     /// Results of operands that are all zero bits: what stands in gaps.
     pub idle_results: &'a [u64],
     /// When the sender has nothing to offer.
@@ -174,6 +179,65 @@ impl StreamRun<'_> {
                 outcome
             },
         )
+    }
+
+    /// Runs the unit by its testbench under Icarus, which compares each result once, as it leaves:
+    /// the cycles compared are those.
+    ///
+    /// # Errors
+    /// If Icarus cannot compile or run it.
+    pub fn icarus(&self, icarus: &Icarus) -> Result<Comparison, IcarusError> {
+        let ports = self
+            .operand_ports()
+            .into_iter()
+            .map(|name| (Role::Input, name));
+        let outputs = self
+            .unit
+            .outputs
+            .iter()
+            .map(|(name, _)| (Role::Output, name.as_str()));
+        let is_handshake = |name: &str| matches!(name, "ready_o" | "valid_o");
+        let results = outputs.filter(|(_, name)| !is_handshake(name));
+        let field = |(role, name): (Role, &str)| {
+            let wire = self.unit.input(name).or_else(|| self.unit.output(name));
+            let node = self.unit.node(wire.expect("a port of the unit"));
+            Field::new(
+                name,
+                role,
+                node.width,
+                FieldFormat::of_port(node.meaning, node.width),
+                "",
+            )
+        };
+        let mut set = VectorSet::new(ports.chain(results).map(field).collect());
+        let (mut operands, mut golden) = (Vec::new(), Vec::new());
+        for k in 0..self.count {
+            operands.clear();
+            golden.clear();
+            (self.vectors)(k, &mut operands, &mut golden);
+            set.push(operands.iter().chain(&golden).copied().collect());
+        }
+        let verdict = icarus.run_vectors(self.unit, &set)?;
+        let hexadecimal = |text: &str| u64::from_str_radix(text, 16).unwrap_or(0);
+        let first = verdict.differences.iter().map(|difference| Divergence {
+            cycle: difference.vector,
+            unit: self.unit.name.clone(),
+            signal: difference.field.clone(),
+            expected: hexadecimal(&difference.expected),
+            found: hexadecimal(&difference.found),
+        });
+        Ok(Comparison {
+            rays: verdict.vectors,
+            guards: 0,
+            cycles: verdict.vectors,
+            cycles_compared: verdict.vectors,
+            signals_compared: self.probes().len() as u64 - 2,
+            mismatches: match verdict.passed {
+                true => 0,
+                false => (verdict.vectors - verdict.agreed).max(1),
+            },
+            first: first.collect(),
+        })
     }
 
     /// Runs the unit in the embedded simulator. `observe` sees each cycle's number, the golden

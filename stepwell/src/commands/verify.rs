@@ -1,6 +1,7 @@
 //! `stepwell verify`: the Verilog against the golden model, outputs and registers, every cycle.
 
 mod operator;
+mod random;
 mod scene;
 mod summary;
 
@@ -59,7 +60,7 @@ pub struct Arguments {
     #[arg(long, value_name = "CYCLES", requires = "unit", value_parser = clap::value_parser!(u32).range(1..=32))]
     latency: Option<u32>,
 
-    /// Of a unit: operand sets or rays to send; small formats are tried on every operand pair
+    /// Of a unit: operand sets or random rays to send; small formats are tried on every operand pair
     #[arg(long, value_name = "N", requires = "unit", value_parser = clap::value_parser!(u64).range(1..))]
     vectors: Option<u64>,
 
@@ -133,6 +134,7 @@ impl FromStr for Fault {
 pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     match (&arguments.scene, &arguments.unit) {
         (Some(scene), _) => scene::verify(&arguments, scene),
+        (None, Some(unit)) if unit == "traverse" => scene::verify_random(&arguments),
         (None, Some(unit)) => operator::verify(&arguments, unit),
         (None, None) => anyhow::bail!("a scene file or --unit is needed"),
     }

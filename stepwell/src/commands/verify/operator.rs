@@ -1,5 +1,6 @@
-//! One operator behind its handshakes.
+//! One unit behind its handshakes: an operator, or a step of the traverse unit.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::bail;
@@ -8,13 +9,19 @@ use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::digest::netlist_digest;
 use hdl_gen::emit::write_design;
 use hdl_gen::fault::plant;
+use hdl_gen::netlist::Module;
 use hdl_gen::operators::{FloatOperator, float_operator, stream_unit};
-use hdl_gen::verify::{FoundSimulator, OperandSets, StreamRun};
+use hdl_gen::units::{UnitConfiguration, build_step_unit};
+use hdl_gen::vectors::{Role, idle_step_results, step_vectors};
+use hdl_gen::verify::{FoundSimulator, OperandSets, StreamRun, VectorSource};
 use rtl_model::float::FloatFormat;
 use rtl_model::machine::StallPattern;
+use rtl_model::maps::Pyramid;
 use rtl_model::scene::WalkFormat;
+use rtl_model::units::traverse::shape_for;
 use rtl_model::units::traverse_step::{EXACT_EXIT_ULPS, INDEX_BITS, LEVEL_BITS};
 
+use super::random::{random_rays, unit_map};
 use super::summary::{SignalFacts, Summary, decode};
 use super::{Arguments, Outcome};
 use crate::output::OutputFolder;
@@ -23,6 +30,9 @@ use crate::progress;
 /// Operand sets sent where nothing is said: what runs in a few seconds.
 const DEFAULT_VECTORS: u64 = 1_000_000;
 const DEFAULT_VECTORS_EMBEDDED: u64 = 50_000;
+/// Random rays out of whose walks the steps are taken.
+const RAYS_OF_STEPS: u64 = 2_000;
+const DEFAULT_VECTORS_ICARUS: u64 = 5_000;
 
 /// The operators by the names of their units, with the parameters the traverse unit has them with.
 fn known_operators() -> Vec<FloatOperator> {
@@ -61,65 +71,52 @@ fn latency_of(operator: FloatOperator) -> u32 {
     }
 }
 
-/// Verifies the operator of this name.
+/// A unit with what is sent through it.
+struct Subject {
+    unit: Arc<Module>,
+    format: FloatFormat,
+    count: u64,
+    exhaustive: bool,
+    idle_results: Vec<u64>,
+    vectors: Box<VectorSource<'static>>,
+    map: Option<String>,
+}
+
+/// Verifies the unit of this name.
 pub fn verify(arguments: &Arguments, name: &str) -> anyhow::Result<Outcome> {
-    let known = known_operators();
-    let Some(&operator) = known.iter().find(|operator| operator.name() == name) else {
-        let names: Vec<_> = known.iter().map(|operator| operator.name()).collect();
-        bail!("--unit {name}: unknown; the units are {}", names.join(", "));
-    };
-    let format = match arguments.replacements.format {
-        None => FloatFormat::E7F16,
-        Some(WalkFormat::Float(format)) => format,
-        Some(other) => bail!("format {other} has no hardware: take a float eXfY, such as e7f16"),
-    };
-    operator.check(format)?;
-    let rounding = arguments.rounding;
-    let latency = arguments.latency.unwrap_or(latency_of(operator));
     let simulator = arguments.sim.find()?;
+    let mut subject = match name {
+        "traverse_step" => step(arguments)?,
+        _ => operator(arguments, name, &simulator)?,
+    };
     let folder = arguments
         .output
         .as_deref()
         .map(OutputFolder::prepare)
         .transpose()?;
-    let mut unit = stream_unit(&float_operator(operator, format, rounding, latency));
     if let Some(fault) = &arguments.plant_fault {
-        unit = plant(&unit, &fault.signal, fault.bit)?;
+        subject.unit = plant(&subject.unit, &fault.signal, fault.bit)?;
     }
-    let default_vectors = match simulator {
-        FoundSimulator::Verilator(_) => DEFAULT_VECTORS,
-        _ => DEFAULT_VECTORS_EMBEDDED,
-    };
-    let sets = OperandSets::new(
-        operator,
-        format,
-        arguments.vectors.unwrap_or(default_vectors),
-        arguments.seed,
-    );
-    let mut idle_results = Vec::new();
-    operator.golden_results(format, rounding, &vec![0; sets.width()], &mut idle_results);
-    let vectors = |k, operands: &mut Vec<u64>, results: &mut Vec<u64>| {
-        sets.set(k, operands);
-        operator.golden_results(format, rounding, operands, results);
-    };
+    let unit = &subject.unit;
     let run = StreamRun {
-        unit: &unit,
-        count: sets.count(),
-        vectors: &vectors,
-        idle_results: &idle_results,
+        unit,
+        count: subject.count,
+        vectors: &*subject.vectors,
+        idle_results: &subject.idle_results,
         gaps: StallPattern::one_in_eight(arguments.seed as u16 ^ 0x5a5a),
         stalls: StallPattern::one_in_eight(arguments.seed as u16),
     };
     let start = Instant::now();
     if let FoundSimulator::Verilator(verilator) = &simulator {
-        verilator.build(&unit, &run.plan(), false)?;
+        verilator.build(unit, &run.plan(), false)?;
     }
     let build_seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let comparison = match &simulator {
         FoundSimulator::Embedded => run.embedded(|_, _, _| {})?,
+        FoundSimulator::Icarus(icarus) => run.icarus(icarus)?,
         FoundSimulator::Verilator(verilator) => {
-            let bar = progress::bar(sets.count(), "operand sets");
+            let bar = progress::bar(subject.count, "operand sets");
             let comparison = run.verilator(verilator, None, |sent| bar.set_position(sent));
             bar.finish_and_clear();
             comparison?
@@ -127,7 +124,7 @@ pub fn verify(arguments: &Arguments, name: &str) -> anyhow::Result<Outcome> {
     };
     let mut files = Vec::new();
     if let Some(folder) = folder {
-        folder.publish(|folder| Ok(write_design(&unit, folder).map(|_| ())?))?;
+        folder.publish(|folder| Ok(write_design(unit, folder).map(|_| ())?))?;
         let output = arguments.output.clone().unwrap_or_default();
         files.push(output.join(format!("{}.v", unit.name)));
     }
@@ -146,12 +143,12 @@ pub fn verify(arguments: &Arguments, name: &str) -> anyhow::Result<Outcome> {
         unit: unit.name.clone(),
         simulator: simulator.name().to_owned(),
         simulator_version: simulator.version().to_owned(),
-        format: format.to_string(),
+        format: subject.format.to_string(),
         method: None,
-        map: None,
+        map: subject.map,
         rays: comparison.rays,
-        rays_sent: sets.count(),
-        exhaustive: sets.is_exhaustive(),
+        rays_sent: subject.count,
+        exhaustive: subject.exhaustive,
         guards: 0,
         mismatches: comparison.mismatches,
         cycles: comparison.cycles,
@@ -159,7 +156,7 @@ pub fn verify(arguments: &Arguments, name: &str) -> anyhow::Result<Outcome> {
         signals_compared: comparison.signals_compared,
         seconds: start.elapsed().as_secs_f64(),
         build_seconds,
-        netlist_digest: netlist_digest(&unit),
+        netlist_digest: netlist_digest(unit),
         planted_fault: arguments
             .plant_fault
             .as_ref()
@@ -169,4 +166,92 @@ pub fn verify(arguments: &Arguments, name: &str) -> anyhow::Result<Outcome> {
         files,
     }
     .answer(arguments.answer.json)
+}
+
+fn float_format(arguments: &Arguments) -> anyhow::Result<FloatFormat> {
+    match arguments.replacements.format {
+        None => Ok(FloatFormat::E7F16),
+        Some(WalkFormat::Float(format)) => Ok(format),
+        Some(other) => bail!("format {other} has no hardware: take a float eXfY, such as e7f16"),
+    }
+}
+
+/// An operator, on hard and random operands.
+fn operator(
+    arguments: &Arguments,
+    name: &str,
+    simulator: &FoundSimulator,
+) -> anyhow::Result<Subject> {
+    let known = known_operators();
+    let Some(&operator) = known.iter().find(|operator| operator.name() == name) else {
+        let names: Vec<_> = known.iter().map(|operator| operator.name()).collect();
+        bail!(
+            "--unit {name}: unknown; the units are {}, traverse_step, traverse",
+            names.join(", ")
+        );
+    };
+    let format = float_format(arguments)?;
+    operator.check(format)?;
+    let rounding = arguments.rounding;
+    let latency = arguments.latency.unwrap_or(latency_of(operator));
+    let default_vectors = match simulator {
+        FoundSimulator::Verilator(_) => DEFAULT_VECTORS,
+        FoundSimulator::Icarus(_) => DEFAULT_VECTORS_ICARUS,
+        FoundSimulator::Embedded => DEFAULT_VECTORS_EMBEDDED,
+    };
+    let count = arguments.vectors.unwrap_or(default_vectors);
+    let sets = OperandSets::new(operator, format, count, arguments.seed);
+    let mut idle_results = Vec::new();
+    operator.golden_results(format, rounding, &vec![0; sets.width()], &mut idle_results);
+    Ok(Subject {
+        unit: stream_unit(&float_operator(operator, format, rounding, latency)),
+        format,
+        count: sets.count(),
+        exhaustive: sets.is_exhaustive(),
+        idle_results,
+        vectors: Box::new(move |k, operands, results| {
+            sets.set(k, operands);
+            operator.golden_results(format, rounding, operands, results);
+        }),
+        map: None,
+    })
+}
+
+/// A step of the traverse unit, on steps of every kind out of the walks of random rays.
+fn step(arguments: &Arguments) -> anyhow::Result<Subject> {
+    let format = float_format(arguments)?;
+    FloatOperator::Add.check(format)?;
+    let source = unit_map(arguments)?;
+    let pyramid = Pyramid::new(&source.source.load(source.channel, source.white_is_low)?);
+    let unit = build_step_unit(&UnitConfiguration {
+        shape: shape_for(&pyramid),
+        format,
+        latencies: OperatorLatencies::PAPER,
+    });
+    let rays = random_rays(
+        format,
+        arguments.vectors.unwrap_or(RAYS_OF_STEPS),
+        arguments.seed,
+    );
+    let set = step_vectors(&unit, format, &pyramid, &rays);
+    let inputs = set
+        .fields
+        .iter()
+        .take_while(|field| field.role == Role::Input)
+        .count();
+    let idle = idle_step_results(&unit, format, &pyramid);
+    let count = set.vectors.len() as u64;
+    Ok(Subject {
+        unit,
+        format,
+        count,
+        exhaustive: false,
+        idle_results: idle,
+        vectors: Box::new(move |k, operands, results| {
+            let vector = &set.vectors[k as usize];
+            operands.extend_from_slice(&vector[..inputs]);
+            results.extend_from_slice(&vector[inputs..]);
+        }),
+        map: Some(source.source.to_string()),
+    })
 }

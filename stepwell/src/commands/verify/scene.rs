@@ -22,10 +22,11 @@ use rtl_model::machine::{ID_BITS, StallPattern};
 use rtl_model::maps::Pyramid;
 use rtl_model::ray::Ray;
 use rtl_model::readings::{E7F16, FloatReading, enter};
-use rtl_model::scene::{Scene, WalkFormat};
+use rtl_model::scene::{Method, Scene, Walk, WalkFormat};
 use rtl_model::units::traverse::shape_for;
 use rtl_model::walker::Walker;
 
+use super::random::{random_rays, unit_map};
 use super::summary::{SignalFacts, Summary, decode};
 use super::{Arguments, Outcome};
 use crate::output::OutputFolder;
@@ -37,13 +38,57 @@ pub fn verify(arguments: &Arguments, path: &Path) -> anyhow::Result<Outcome> {
     let map = scene.load_map()?;
     let pyramid = Pyramid::new(&map);
     let rays = frame_rays(&scene, &pyramid)?;
-    let name = scene.map.source.to_string();
-    verify_rays(arguments, &scene, &name, &pyramid, &rays)
+    if rays.is_empty() {
+        bail!(
+            "scene {}: no pixel has a ray, so there is nothing to verify",
+            scene.name
+        );
+    }
+    let subject = Subject {
+        walk: scene.walk,
+        map: scene.map.source.to_string(),
+        pyramid,
+        rays,
+    };
+    subject.verify(arguments)
+}
+
+/// Verifies the traverse unit with random rays.
+pub fn verify_random(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let map = unit_map(arguments)?;
+    let pyramid = Pyramid::new(&map.source.load(map.channel, map.white_is_low)?);
+    let walk = Walk {
+        method: arguments.replacements.method.unwrap_or(Method::Oh),
+        format: arguments
+            .replacements
+            .format
+            .unwrap_or(WalkFormat::Float(FloatFormat::E7F16)),
+    };
+    let count = arguments.vectors.unwrap_or(RANDOM_RAYS);
+    let rays = random_rays(hardware_format(walk)?, count, arguments.seed);
+    Subject {
+        walk,
+        map: map.source.to_string(),
+        pyramid,
+        rays,
+    }
+    .verify(arguments)
+}
+
+/// Random rays sent where nothing is said: what takes a few seconds in the slowest simulator.
+const RANDOM_RAYS: u64 = 1_000;
+
+/// Rays, and what they are sent through.
+struct Subject {
+    walk: Walk,
+    map: String,
+    pyramid: Pyramid,
+    rays: Vec<Ray<u64>>,
 }
 
 /// The frame's rays as bits of the scene's format.
 fn frame_rays(scene: &Scene, pyramid: &Pyramid) -> anyhow::Result<Vec<Ray<u64>>> {
-    let format = hardware_format(scene)?;
+    let format = hardware_format(scene.walk)?;
     let walker = Walker::new(scene.walk, pyramid);
     let mut reading = FloatReading(format);
     let rays = scene.view().rays(pyramid.size())?;
@@ -53,8 +98,8 @@ fn frame_rays(scene: &Scene, pyramid: &Pyramid) -> anyhow::Result<Vec<Ray<u64>>>
         .collect()
 }
 
-fn hardware_format(scene: &Scene) -> anyhow::Result<FloatFormat> {
-    match scene.walk.format {
+fn hardware_format(walk: Walk) -> anyhow::Result<FloatFormat> {
+    match walk.format {
         WalkFormat::Float(format) => {
             FloatOperator::Add.check(format)?;
             Ok(format)
@@ -63,110 +108,105 @@ fn hardware_format(scene: &Scene) -> anyhow::Result<FloatFormat> {
     }
 }
 
-fn verify_rays(
-    arguments: &Arguments,
-    scene: &Scene,
-    map: &str,
-    pyramid: &Pyramid,
-    rays: &[Ray<u64>],
-) -> anyhow::Result<Outcome> {
-    if rays.is_empty() {
-        bail!(
-            "scene {}: no pixel has a ray, so there is nothing to verify",
-            scene.name
-        );
-    }
-    if rays.len() > 1 << ID_BITS {
-        bail!(
-            "scene {}: {} rays are more than the unit's ids of {ID_BITS} bits tell apart; take a \
-             smaller --size",
-            scene.name,
-            rays.len()
-        );
-    }
-    let simulator = arguments.sim.find()?;
-    let folder = arguments
-        .output
-        .as_deref()
-        .map(OutputFolder::prepare)
-        .transpose()?;
-    let mut unit = TraverseUnit::build(UnitConfiguration {
-        shape: shape_for(pyramid),
-        format: hardware_format(scene)?,
-        latencies: OperatorLatencies::PAPER,
-    });
-    if let Some(fault) = &arguments.plant_fault {
-        unit.design = plant(&unit.design, &fault.signal, fault.bit)?;
-    }
-    let run = GoldenRun {
-        pyramid,
-        rays,
-        stalls: StallPattern::one_in_eight(arguments.seed as u16),
-        latency: unit.latency,
-    };
-    let start = Instant::now();
-    if let FoundSimulator::Verilator(verilator) = &simulator {
-        let plan = traverse_plan(&unit, &run);
-        verilator.build(&unit.design, &plan, arguments.vcd.is_some())?;
-    }
-    let build_seconds = start.elapsed().as_secs_f64();
-    let start = Instant::now();
-    let mut files = Vec::new();
-    let comparison = match &folder {
-        None => simulate(arguments, &simulator, &unit, &run, None)?,
-        Some(folder) => {
-            let mut comparison = None;
-            folder.publish(|folder| {
-                write_design(&unit.design, folder)?;
-                comparison = Some(simulate(arguments, &simulator, &unit, &run, Some(folder))?);
-                Ok(())
-            })?;
-            let output = arguments.output.clone().unwrap_or_default();
-            files.push(output.join(format!("{}.v", unit.design.name)));
-            if arguments.vcd.is_some() {
-                files.extend(["golden.vcd", "hardware.vcd"].map(|name| output.join(name)));
-            }
-            comparison.context("the run left no comparison")?
+impl Subject {
+    fn verify(&self, arguments: &Arguments) -> anyhow::Result<Outcome> {
+        let Subject {
+            walk,
+            map,
+            pyramid,
+            rays,
+        } = self;
+        if rays.len() > 1 << ID_BITS {
+            bail!(
+                "{} rays are more than the unit's ids of {ID_BITS} bits tell apart; take a smaller \
+                 --size",
+                rays.len()
+            );
         }
-    };
-    let signals: Vec<SignalFacts> = unit
-        .probes
-        .iter()
-        .map(|probe| SignalFacts {
-            path: probe.path(),
-            width: probe.width,
-            meaning: probe.meaning,
-            sources: probe.sources.clone(),
-        })
-        .collect();
-    Summary {
-        schema: "stepwell-verify-1",
-        unit: unit.design.name.clone(),
-        simulator: simulator.name().to_owned(),
-        simulator_version: simulator.version().to_owned(),
-        format: scene.walk.format.to_string(),
-        method: Some(scene.walk.method.to_string()),
-        map: Some(map.to_owned()),
-        rays: comparison.rays,
-        rays_sent: rays.len() as u64,
-        exhaustive: false,
-        guards: comparison.guards,
-        mismatches: comparison.mismatches,
-        cycles: comparison.cycles,
-        cycles_compared: comparison.cycles_compared,
-        signals_compared: comparison.signals_compared,
-        seconds: start.elapsed().as_secs_f64(),
-        build_seconds,
-        netlist_digest: netlist_digest(&unit.design),
-        planted_fault: arguments
-            .plant_fault
-            .as_ref()
-            .map(|fault| format!("{}:{}", fault.signal, fault.bit)),
-        seed: arguments.seed,
-        first_divergence: decode(&comparison, &signals),
-        files,
+        let simulator = arguments.sim.find()?;
+        let folder = arguments
+            .output
+            .as_deref()
+            .map(OutputFolder::prepare)
+            .transpose()?;
+        let mut unit = TraverseUnit::build(UnitConfiguration {
+            shape: shape_for(pyramid),
+            format: hardware_format(*walk)?,
+            latencies: OperatorLatencies::PAPER,
+        });
+        if let Some(fault) = &arguments.plant_fault {
+            unit.design = plant(&unit.design, &fault.signal, fault.bit)?;
+        }
+        let run = GoldenRun {
+            pyramid,
+            rays,
+            stalls: StallPattern::one_in_eight(arguments.seed as u16),
+            latency: unit.latency,
+        };
+        let start = Instant::now();
+        if let FoundSimulator::Verilator(verilator) = &simulator {
+            let plan = traverse_plan(&unit, &run);
+            verilator.build(&unit.design, &plan, arguments.vcd.is_some())?;
+        }
+        let build_seconds = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let mut files = Vec::new();
+        let comparison = match &folder {
+            None => simulate(arguments, &simulator, &unit, &run, None)?,
+            Some(folder) => {
+                let mut comparison = None;
+                folder.publish(|folder| {
+                    write_design(&unit.design, folder)?;
+                    comparison = Some(simulate(arguments, &simulator, &unit, &run, Some(folder))?);
+                    Ok(())
+                })?;
+                let output = arguments.output.clone().unwrap_or_default();
+                files.push(output.join(format!("{}.v", unit.design.name)));
+                if arguments.vcd.is_some() {
+                    files.extend(["golden.vcd", "hardware.vcd"].map(|name| output.join(name)));
+                }
+                comparison.context("the run left no comparison")?
+            }
+        };
+        let signals: Vec<SignalFacts> = unit
+            .probes
+            .iter()
+            .map(|probe| SignalFacts {
+                path: probe.path(),
+                width: probe.width,
+                meaning: probe.meaning,
+                sources: probe.sources.clone(),
+            })
+            .collect();
+        Summary {
+            schema: "stepwell-verify-1",
+            unit: unit.design.name.clone(),
+            simulator: simulator.name().to_owned(),
+            simulator_version: simulator.version().to_owned(),
+            format: walk.format.to_string(),
+            method: Some(walk.method.to_string()),
+            map: Some(map.clone()),
+            rays: comparison.rays,
+            rays_sent: rays.len() as u64,
+            exhaustive: false,
+            guards: comparison.guards,
+            mismatches: comparison.mismatches,
+            cycles: comparison.cycles,
+            cycles_compared: comparison.cycles_compared,
+            signals_compared: comparison.signals_compared,
+            seconds: start.elapsed().as_secs_f64(),
+            build_seconds,
+            netlist_digest: netlist_digest(&unit.design),
+            planted_fault: arguments
+                .plant_fault
+                .as_ref()
+                .map(|fault| format!("{}:{}", fault.signal, fault.bit)),
+            seed: arguments.seed,
+            first_divergence: decode(&comparison, &signals),
+            files,
+        }
+        .answer(arguments.answer.json)
     }
-    .answer(arguments.answer.json)
 }
 
 /// Runs the hardware, and writes the waveforms that are asked for.
