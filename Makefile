@@ -17,6 +17,7 @@ test: lint ## everything CI checks: format, lints, documentation, all tests
 	$(ENVIRONMENT) cargo test --workspace --locked --lib --bins --tests --examples
 
 vectors: tools ## rewrite the committed vectors under vectors/; git diff shows what changed
+	rm -f vectors/*.hex
 	$(ENVIRONMENT) $(STEPWELL) vectors -o vectors
 
 bench: tools ## speed of the golden model and of the harness, as ratios within one run

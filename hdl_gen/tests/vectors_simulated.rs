@@ -41,7 +41,7 @@ fn units() -> Vec<(Arc<Module>, VectorSet)> {
         .operators(FORMAT)
         .into_iter()
         .map(|choice| {
-            let latency = plan.latency(choice.kind);
+            let latency = plan.latencies.of_operator(choice.kind);
             let core = float_operator(choice.kind, FORMAT, choice.rounding, latency);
             let set = operator_vectors(choice, plan.random, plan.seed);
             (stream_unit(&core), set)
