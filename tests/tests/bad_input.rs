@@ -302,10 +302,14 @@ fn rays_that_are_none() {
         &format!("trace --map {MAP} --rays none.csv"),
         &["rays none.csv", "No such file"],
     );
-    bench.write("rays.csv", "u,v,du,dv\n0.5,0.5,300,0\n");
+    bench.write("rays.csv", "u,v,du,dv\n0.5,0.5,7,0\n");
+    bench.refuses(
+        &format!("trace --map {MAP} --rays rays.csv --format e2f12"),
+        &["line 2", "`du` is 7", "e2f12 cannot hold", "3.9995"],
+    );
     bench.refuses(
         &format!("trace --map {MAP} --rays rays.csv --format e4f3"),
-        &["line 2", "`du` is 300", "e4f3 cannot hold", "240"],
+        &["line 2", "`du` is 7", "448 texels", "the 2 that e4f3 tells apart"],
     );
 }
 
