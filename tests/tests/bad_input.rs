@@ -309,7 +309,12 @@ fn rays_that_are_none() {
     );
     bench.refuses(
         &format!("trace --map {MAP} --rays rays.csv --format e4f3"),
-        &["line 2", "`du` is 7", "448 texels", "the 2 that e4f3 tells apart"],
+        &[
+            "line 2",
+            "`du` is 7",
+            "448 texels",
+            "the 2 that e4f3 tells apart",
+        ],
     );
 }
 

@@ -278,7 +278,7 @@ impl Build<'_> {
         match self.recording.signal(id).kind {
             Kind::Num => Meaning::Float(self.recording.format),
             Kind::Int(_) => Meaning::Signed,
-            Kind::Bit => Meaning::Bits,
+            Kind::Height(_) | Kind::Bit => Meaning::Bits,
         }
     }
 

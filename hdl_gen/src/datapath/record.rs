@@ -37,7 +37,7 @@ impl Recording {
     pub fn width(&self, id: SignalId) -> u32 {
         match self.signal(id).kind {
             Kind::Num => self.format.width(),
-            Kind::Int(width) => width,
+            Kind::Int(width) | Kind::Height(width) => width,
             Kind::Bit => 1,
         }
     }
@@ -90,6 +90,11 @@ impl Recorder {
     /// A two's complement integer of `bits` bits from outside.
     pub fn int_input(&mut self, name: &'static str, bits: u32, stage: u32) -> IntSignal {
         IntSignal(self.input(name, stage, Kind::Int(bits)))
+    }
+
+    /// A height of `bits` bits from outside, for `depth_from_height`.
+    pub fn height_input(&mut self, name: &'static str, bits: u32, stage: u32) -> IntSignal {
+        IntSignal(self.input(name, stage, Kind::Height(bits)))
     }
 
     /// A bit from outside.

@@ -46,6 +46,8 @@ pub enum Kind {
     Num,
     /// A two's complement integer of this many bits: enough for every value its operands allow.
     Int(u32),
+    /// An unsigned height of this many bits; only `depth_from_height` reads it.
+    Height(u32),
     /// One bit.
     Bit,
 }

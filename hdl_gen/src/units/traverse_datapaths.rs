@@ -63,7 +63,7 @@ pub fn build_step(configuration: &UnitConfiguration) -> BuiltDatapath {
     }
     let height_bits = configuration.shape.height_bits;
     let height: IntSignal =
-        recorder.int_input("height", height_bits, configuration.memory_latency());
+        recorder.height_input("height", height_bits, configuration.memory_latency());
     let [u, v, du, dv, exact_below_u, exact_below_v, t] = numbers[..] else {
         unreachable!("seven numbers");
     };

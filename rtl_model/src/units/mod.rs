@@ -1,5 +1,6 @@
 //! The hardware's units, each datapath written once over [`crate::arith::Arith`].
 
 pub mod traverse;
+mod traverse_axis;
 pub mod traverse_setup;
 pub mod traverse_step;
