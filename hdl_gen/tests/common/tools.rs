@@ -1,10 +1,12 @@
 //! The tools that read Verilog, where they are installed.
+#![allow(dead_code)] // every test program uses its own part of it
 
 use std::process::Command;
 use std::sync::Arc;
 
 use hdl_gen::emit::write_design;
 use hdl_gen::netlist::Module;
+use hdl_gen::verify::Verilator;
 
 /// Is the tool there? A missing one is told and the test passes over it, but not where CI=true.
 pub fn has_tool(tool: &str) -> bool {
@@ -18,6 +20,19 @@ pub fn has_tool(tool: &str) -> bool {
         println!("{tool} is not installed: this check is left out");
     }
     found
+}
+
+/// Verilator as a simulator, under the same rule as [`has_tool`].
+pub fn verilator() -> Option<Verilator> {
+    match Verilator::find() {
+        Ok(verilator) => Some(verilator),
+        Err(missing) => {
+            let strict = std::env::var("CI").is_ok_and(|value| value == "true");
+            assert!(!strict, "{missing}");
+            println!("{missing}: this check is left out");
+            None
+        }
+    }
 }
 
 /// Runs a tool and answers its standard output; anything else than plain success is a failure.

@@ -1,0 +1,158 @@
+//! The emitted Verilog as other people's tools read it: Verilator's lint with all warnings on and
+//! none waived, Icarus Verilog, Yosys. None of them may have anything to say.
+//!
+//! Read are the traverse unit for maps of 2 x 2, 256 x 256 and 4096 x 4096 texels with heights of
+//! 8 and of 16 bits, and every operator of e7f16 behind its handshakes, in every rounding.
+
+#[path = "common/operators.rs"]
+mod operators;
+#[path = "common/tools.rs"]
+mod tools;
+
+use std::process::Command;
+use std::sync::Arc;
+
+use hdl_gen::datapath::OperatorLatencies;
+use hdl_gen::emit::{verilog, write_design};
+use hdl_gen::netlist::Module;
+use hdl_gen::operators::{float_operator, stream_unit};
+use hdl_gen::units::{TraverseUnit, UnitConfiguration};
+use rayon::prelude::*;
+use rtl_model::float::FloatFormat;
+use rtl_model::units::traverse_step::TraverseShape;
+
+const FORMAT: FloatFormat = FloatFormat::E7F16;
+
+/// Every design that is read, with what tells it from the others of its name.
+fn designs() -> Vec<(String, Arc<Module>)> {
+    let mut designs = Vec::new();
+    for root_level in [1, 8, 12] {
+        for height_bits in [8, 16] {
+            let unit = TraverseUnit::build(UnitConfiguration {
+                shape: TraverseShape {
+                    root_level,
+                    height_bits,
+                },
+                format: FORMAT,
+                latencies: OperatorLatencies::PAPER,
+            });
+            let size = 1 << root_level;
+            let label = format!("traverse, {size} x {size}, {height_bits} bits");
+            designs.push((label, unit.design));
+        }
+    }
+    for (operator, rounding) in operators::every_operator(FORMAT) {
+        let latency = OperatorLatencies::PAPER.of_operator(operator);
+        let unit = stream_unit(&float_operator(operator, FORMAT, rounding, latency));
+        designs.push((unit.name.clone(), unit));
+    }
+    designs
+}
+
+/// Calls `check` with every design and the paths of its files, several designs at a time.
+fn with_files(check: impl Fn(&str, &Arc<Module>, &[String]) + Sync) {
+    designs().par_iter().for_each(|(label, design)| {
+        let folder = tempfile::tempdir().unwrap();
+        let paths = write_design(design, folder.path()).unwrap();
+        let paths: Vec<String> = paths
+            .iter()
+            .map(|path| path.display().to_string())
+            .collect();
+        check(label, design, &paths);
+    });
+}
+
+/// The lines without their comments.
+fn code(text: &str) -> impl Iterator<Item = &str> {
+    text.lines()
+        .map(|line| line.split("//").next().unwrap_or_default())
+}
+
+/// Is the word among those of the line?
+fn says(line: &str, word: &str) -> bool {
+    line.split(|letter: char| !letter.is_ascii_alphanumeric() && letter != '_')
+        .any(|found| found == word)
+}
+
+#[test]
+fn no_file_waives_a_warning_or_sets_a_value_before_time() {
+    let mut clocked = 0;
+    for (label, design) in designs() {
+        for module in design.hierarchy() {
+            let name = &module.name;
+            let text = verilog(&module, "0");
+            for waiver in ["lint_off", "verilator", "translate_off", "full_case"] {
+                assert!(!text.contains(waiver), "{label}, {name}: {waiver}");
+            }
+            for line in code(&text) {
+                assert!(!says(line, "initial"), "{label}, {name}: {line}");
+                // The only processes are registers: what has no clock can be no latch.
+                if says(line, "always") {
+                    clocked += 1;
+                    assert_eq!(
+                        line.trim(),
+                        "always @(posedge clk_i) begin",
+                        "{label}, {name}"
+                    );
+                }
+            }
+        }
+    }
+    assert!(clocked > 0, "a unit without a register is no unit");
+}
+
+#[test]
+fn lint_has_nothing_to_say() {
+    if !tools::has_tool("verilator") {
+        return;
+    }
+    with_files(|label, design, paths| {
+        let mut command = Command::new("verilator");
+        command.args(["--lint-only", "-Wall", "--top-module", &design.name]);
+        expect_silence(label, command.args(paths));
+    });
+}
+
+#[test]
+fn icarus_has_nothing_to_say() {
+    if !tools::has_tool("iverilog") {
+        return;
+    }
+    with_files(|label, design, paths| {
+        let mut command = Command::new("iverilog");
+        command.args(["-g2005", "-Wall", "-t", "null", "-s", &design.name]);
+        expect_silence(label, command.args(paths));
+    });
+}
+
+#[test]
+fn yosys_finds_no_latch_and_nothing_to_warn_of() {
+    if !tools::has_tool("yosys") {
+        return;
+    }
+    with_files(|label, design, paths| {
+        let script = format!(
+            "read_verilog {}; hierarchy -check -top {}; proc; check -assert; \
+             select -assert-none t:$dlatch*; select -assert-min 1 t:$dff t:$dffe t:$sdff t:$sdffe",
+            paths.join(" "),
+            design.name
+        );
+        // With -e every warning is an error.
+        expect_silence(
+            label,
+            Command::new("yosys").args(["-q", "-e", ".*", "-p", &script]),
+        );
+    });
+}
+
+/// Runs a tool that must succeed and print nothing.
+fn expect_silence(label: &str, command: &mut Command) {
+    let output = command.output().unwrap();
+    let said = [&output.stdout[..], &output.stderr].concat();
+    let said = String::from_utf8_lossy(&said);
+    assert!(
+        output.status.success() && said.is_empty(),
+        "{label}: {}\n{said}",
+        output.status
+    );
+}
