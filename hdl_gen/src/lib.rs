@@ -8,6 +8,7 @@ pub mod identifier;
 pub mod nearest;
 pub mod netlist;
 pub mod operators;
+pub mod package;
 pub mod pipeline;
 pub mod simulate;
 pub mod testbench;

@@ -1,3 +1,5 @@
+//! The traverse unit under Verilator, against the golden machine.
+
 use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::units::{TraverseUnit, UnitConfiguration};
 use hdl_gen::verify::*;

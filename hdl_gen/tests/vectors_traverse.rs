@@ -132,8 +132,8 @@ fn the_golden_waveform_is_that_of_icarus() {
     let Some(icarus) = icarus() else { return };
     let frame = Frame::small();
     let run = frame.run(40);
-    let golden = golden_waveform(&frame.unit, &run, FORMAT, 0..=u64::MAX, Vec::new()).unwrap();
-    let cycles = run.run(FORMAT, |_, _, _| ControlFlow::Continue(()));
+    let (golden, cycles) = golden_waveform(&frame.unit, &run, 0..=u64::MAX, Vec::new()).unwrap();
+    assert_eq!(cycles, run.run(FORMAT, |_, _, _| ControlFlow::Continue(())));
     let compare = |unit: &TraverseUnit| {
         let (other, _) = icarus
             .waveform(unit, &run, 0..=u64::MAX, Vec::new())
@@ -208,4 +208,24 @@ fn the_testbench_of_no_rays_fails() {
     let empty = verdict(&icarus, &frame, &vectors);
     assert!(!empty.passed, "{empty:?}");
     assert_eq!(empty.vectors, 0);
+}
+
+#[test]
+fn a_window_of_the_golden_waveform_is_a_part_of_the_whole() {
+    let frame = Frame::small();
+    let run = frame.run(40);
+    let (whole, cycles) = golden_waveform(&frame.unit, &run, 0..=u64::MAX, Vec::new()).unwrap();
+    let (part, written) = golden_waveform(&frame.unit, &run, 100..=149, Vec::new()).unwrap();
+    assert_eq!(written, 50);
+    let report = diff(
+        waveform("whole.vcd", &whole),
+        waveform("part.vcd", &part),
+        &DiffOptions::default(),
+    )
+    .unwrap();
+    assert!(report.agreed, "{report}");
+    assert_eq!(report.cycles_compared, 50);
+    let behind_the_end = golden_waveform(&frame.unit, &run, cycles..=u64::MAX, Vec::new());
+    let message = behind_the_end.unwrap_err().to_string();
+    assert!(message.contains(&format!("{cycles} cycles")), "{message}");
 }

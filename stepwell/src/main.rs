@@ -11,6 +11,7 @@ mod progress;
 mod rays;
 mod summary;
 mod terminal;
+mod units;
 
 use std::error::Error;
 use std::process::ExitCode;

@@ -69,22 +69,26 @@ impl OutputFolder {
         Ok((stage, contents))
     }
 
-    /// Renames every file of `stage` into the folder; where one fails, undoes the others.
+    /// Renames every file of `stage`, at any depth, into the folder; where one fails, undoes the
+    /// others.
     fn move_files(&self, stage: &Path) -> io::Result<()> {
         let mut names = Vec::new();
-        for entry in fs::read_dir(stage)? {
-            names.push(entry?.file_name());
-        }
+        files_below(stage, Path::new(""), &mut names)?;
         if let Some(name) = names.iter().find(|name| self.path.join(name).is_dir()) {
-            let message = format!("{} in it is a folder", name.to_string_lossy());
+            let message = format!("{} in it is a folder", name.display());
             return Err(io::Error::new(io::ErrorKind::IsADirectory, message));
         }
         let former = stage.join("former");
-        fs::create_dir(&former)?;
         let mut done = Vec::new();
         for name in &names {
-            let place = self.path.join(name);
-            let moved = set_aside(&place, &former.join(name))
+            let (place, aside) = (self.path.join(name), former.join(name));
+            let parents = [place.parent(), aside.parent()];
+            let made = parents
+                .into_iter()
+                .flatten()
+                .try_for_each(fs::create_dir_all);
+            let moved = made
+                .and_then(|()| set_aside(&place, &aside))
                 .and_then(|()| fs::rename(stage.join(name), &place));
             done.push(name);
             if let Err(error) = moved {
@@ -107,6 +111,20 @@ impl OutputFolder {
             plain(&cause)
         )
     }
+}
+
+/// The paths of all files below `folder/below`, relative to `folder`.
+fn files_below(folder: &Path, below: &Path, names: &mut Vec<PathBuf>) -> io::Result<()> {
+    for entry in fs::read_dir(folder.join(below))? {
+        let entry = entry?;
+        let name = below.join(entry.file_name());
+        if entry.file_type()?.is_dir() {
+            files_below(folder, &name, names)?;
+        } else {
+            names.push(name);
+        }
+    }
+    Ok(())
 }
 
 /// Moves a file out of the way, if it is there.

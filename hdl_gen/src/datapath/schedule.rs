@@ -2,6 +2,7 @@
 
 use super::record::Recording;
 use super::signal::{RecordedOperation, SignalId};
+use crate::operators::FloatOperator;
 use serde::{Deserialize, Serialize};
 
 /// Cycles of each pipelined operator. Everything else (selection, integer and bit logic, sign
@@ -30,6 +31,20 @@ impl OperatorLatencies {
         comparator: 1,
         conversion: 1,
     };
+
+    /// Cycles of an operator on its own, behind handshakes: at least one.
+    pub fn of_operator(&self, operator: FloatOperator) -> u32 {
+        let cycles = match operator {
+            FloatOperator::Add | FloatOperator::Subtract => self.adder,
+            FloatOperator::Multiply => self.multiplier,
+            FloatOperator::Divide => self.divider,
+            FloatOperator::Compare | FloatOperator::LessThan | FloatOperator::LessEqual => {
+                self.comparator
+            }
+            _ => self.conversion,
+        };
+        cycles.max(1)
+    }
 
     /// Cycles of an operation.
     pub fn of(&self, operation: &RecordedOperation) -> u32 {

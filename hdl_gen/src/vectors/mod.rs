@@ -24,4 +24,5 @@ pub use operators::{OperatorChoice, operator_vectors};
 pub use rays::{RayVectors, ray_vectors, scene_rays};
 pub use set::VectorSet;
 pub use step::{idle_step_results, step_vectors};
-pub use write::{VectorPlan, write_vectors};
+pub(crate) use write::Files;
+pub use write::{VectorPlan, hardware_format, write_vectors};

@@ -2,16 +2,18 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use rtl_model::float::{FloatFormat, Rounding};
 use rtl_model::maps::Pyramid;
 use rtl_model::scene::{Scene, WalkFormat};
 use rtl_model::units::traverse::shape_for;
+use rtl_model::units::traverse_step::{INDEX_BITS, LEVEL_BITS};
 
 use super::error::VectorError;
 use super::manifest::{Manifest, ManifestFile};
 use super::operators::{OperatorChoice, operator_vectors};
-use super::rays::{ray_vectors, scene_rays};
+use super::rays::{RayVectors, ray_vectors, scene_rays};
 use super::set::VectorSet;
 use super::step::step_vectors;
 use crate::datapath::OperatorLatencies;
@@ -19,6 +21,21 @@ use crate::digest::netlist_digest;
 use crate::netlist::Module;
 use crate::operators::{FloatOperator, float_operator, stream_unit};
 use crate::units::{TraverseUnit, UnitConfiguration, build_step_unit};
+
+/// The format of a scene's walk, if hardware can have it.
+///
+/// # Errors
+/// If it is no float, or one too wide.
+pub fn hardware_format(scene: &Scene) -> Result<FloatFormat, VectorError> {
+    let in_hardware = |format: &FloatFormat| FloatOperator::Add.check(*format).is_ok();
+    match scene.walk.format {
+        WalkFormat::Float(format) if in_hardware(&format) => Ok(format),
+        other => Err(VectorError::NoHardwareFormat {
+            scene: scene.name.clone(),
+            format: other.to_string(),
+        }),
+    }
+}
 
 /// What vectors are made of.
 #[derive(Clone, Debug)]
@@ -44,21 +61,6 @@ impl VectorPlan {
         }
     }
 
-    /// The format of the scene's walk, if hardware can have it.
-    fn format(&self) -> Result<FloatFormat, VectorError> {
-        let in_hardware = |format: &FloatFormat| {
-            let add = FloatOperator::Add;
-            add.check(*format).is_ok()
-        };
-        match self.scene.walk.format {
-            WalkFormat::Float(format) if in_hardware(&format) => Ok(format),
-            other => Err(VectorError::NoHardwareFormat {
-                scene: self.scene.name.clone(),
-                format: other.to_string(),
-            }),
-        }
-    }
-
     /// The operators that vectors are made for: all there are, in the roundings the step uses and
     /// to nearest.
     pub fn operators(&self, format: FloatFormat) -> Vec<OperatorChoice> {
@@ -76,12 +78,12 @@ impl VectorPlan {
             (Compare, NearestEven),
             (
                 FromInteger {
-                    value_bits: 18,
-                    exponent_bits: 7,
+                    value_bits: INDEX_BITS + 1,
+                    exponent_bits: LEVEL_BITS + 2,
                 },
                 TowardZero,
             ),
-            (ToInteger { bits: 17 }, NearestEven),
+            (ToInteger { bits: INDEX_BITS }, NearestEven),
             (Floor, NearestEven),
             (UlpsUp { ulps: 3 }, NearestEven),
             (ExactBelow, NearestEven),
@@ -95,21 +97,6 @@ impl VectorPlan {
         })
         .to_vec()
     }
-
-    /// The latency of an operator's stream unit: at least a cycle.
-    pub fn latency(&self, kind: FloatOperator) -> u32 {
-        let latencies = &self.latencies;
-        let cycles = match kind {
-            FloatOperator::Add | FloatOperator::Subtract => latencies.adder,
-            FloatOperator::Multiply => latencies.multiplier,
-            FloatOperator::Divide => latencies.divider,
-            FloatOperator::Compare | FloatOperator::LessThan | FloatOperator::LessEqual => {
-                latencies.comparator
-            }
-            _ => latencies.conversion,
-        };
-        cycles.max(1)
-    }
 }
 
 /// Writes the vectors of a plan and their manifest into `folder`, which is made where it is
@@ -118,8 +105,8 @@ impl VectorPlan {
 /// # Errors
 /// If the scene has no map, no rays or no format of the hardware, or a file cannot be written.
 pub fn write_vectors(plan: &VectorPlan, folder: &Path) -> Result<Manifest, VectorError> {
-    let format = plan.format()?;
     let scene = &plan.scene;
+    let format = hardware_format(scene)?;
     let pyramid = Pyramid::new(&scene.load_map()?);
     let rays = scene_rays(scene, format, &pyramid)?;
     let configuration = UnitConfiguration {
@@ -129,78 +116,30 @@ pub fn write_vectors(plan: &VectorPlan, folder: &Path) -> Result<Manifest, Vecto
     };
     let mut files = Files::default();
     for choice in plan.operators(format) {
-        let latency = plan.latency(choice.kind);
-        let core = float_operator(choice.kind, format, choice.rounding, latency);
-        let golden = core
-            .description
-            .iter()
-            .find_map(|line| line.strip_prefix("golden: "))
-            .unwrap_or_default();
-        let unit = stream_unit(&core);
+        let latency = plan.latencies.of_operator(choice.kind);
         let set = operator_vectors(choice, plan.random, plan.seed);
-        // The formula, then what decides of the last bits.
-        let said = core.description.iter().enumerate();
-        let said = said.filter(|(line, text)| {
-            *line == 0 || text.starts_with("rounding: ") || text.starts_with("policy: ")
-        });
-        let said: Vec<&str> = said.map(|(_, text)| text.as_str()).collect();
-        let entry = Entry {
-            unit: &unit,
-            description: &said.join("; "),
-            golden,
-            scene: None,
-            seed: (plan.random > 0).then_some(plan.seed),
-        };
-        files.add(&choice.file_stem(), &set, &entry);
+        let seed = (plan.random > 0).then_some(plan.seed);
+        files.add_operator(&choice.file_stem(), choice, latency, &set, seed);
     }
-
     let step = build_step_unit(&configuration);
-    let of_scene = |unit, description, golden| Entry {
-        unit,
-        description,
-        golden,
-        scene: Some(scene),
-        seed: None,
-    };
-    let entry = of_scene(
-        &step,
-        "steps of walks, one a line: the registers before and after",
-        "rtl_model::units::traverse_step::traverse_step",
-    );
     let set = step_vectors(&step, format, &pyramid, &rays);
-    files.add("traverse_step", &set, &entry);
-
+    files.add_step("traverse_step", &step, &set, Some(scene));
     let traverse = TraverseUnit::build(configuration).design;
-    let vectors = ray_vectors(format, &pyramid, &rays);
-    let golden = "rtl_model::units::traverse::walk";
-    let entry = of_scene(
-        &traverse,
-        "rays; the id of a ray is its line, from 0",
-        golden,
-    );
-    files.add("rays", &vectors.rays, &entry);
-    let entry = of_scene(&traverse, "line k is the hit of the ray with id k", golden);
-    files.add("hits", &vectors.hits, &entry);
-    let entry = of_scene(
-        &traverse,
-        "the memory of heights; line k is the word at address k",
-        "rtl_model::maps::Pyramid::memory",
-    );
-    files.add("heights", &vectors.heights, &entry);
+    files.add_rays(&traverse, &ray_vectors(format, &pyramid, &rays), scene);
     files.write(folder)
 }
 
 /// What the manifest says of a file beside what its vectors say.
 struct Entry<'a> {
-    unit: &'a std::sync::Arc<Module>,
+    unit: &'a Arc<Module>,
     description: &'a str,
     golden: &'a str,
     scene: Option<&'a Scene>,
     seed: Option<u64>,
 }
 
-/// The files of a folder, to be written together.
-struct Files {
+/// The files of a folder, to be written together: vectors and their manifest.
+pub(crate) struct Files {
     manifest: Manifest,
     texts: Vec<(String, String)>,
 }
@@ -215,6 +154,96 @@ impl Default for Files {
 }
 
 impl Files {
+    /// Vectors of an operator's stream unit.
+    pub(crate) fn add_operator(
+        &mut self,
+        stem: &str,
+        choice: OperatorChoice,
+        latency: u32,
+        set: &VectorSet,
+        seed: Option<u64>,
+    ) {
+        let core = float_operator(choice.kind, choice.format, choice.rounding, latency);
+        let golden = core
+            .description
+            .iter()
+            .find_map(|line| line.strip_prefix("golden: "))
+            .unwrap_or_default();
+        let unit = stream_unit(&core);
+        // The formula, then what decides of the last bits.
+        let said = core.description.iter().enumerate();
+        let said = said.filter(|(line, text)| {
+            *line == 0 || text.starts_with("rounding: ") || text.starts_with("policy: ")
+        });
+        let said: Vec<&str> = said.map(|(_, text)| text.as_str()).collect();
+        let description = said.join("; ");
+        let entry = Entry {
+            unit: &unit,
+            description: &description,
+            golden,
+            scene: None,
+            seed,
+        };
+        self.add(stem, set, &entry);
+    }
+
+    /// Vectors of the step's unit.
+    pub(crate) fn add_step(
+        &mut self,
+        stem: &str,
+        unit: &Arc<Module>,
+        set: &VectorSet,
+        scene: Option<&Scene>,
+    ) {
+        let entry = Entry {
+            unit,
+            description: "steps of walks, one a line: the registers before and after",
+            golden: "rtl_model::units::traverse_step::traverse_step",
+            scene,
+            seed: None,
+        };
+        self.add(stem, set, &entry);
+    }
+
+    /// The rays of a scene, their hits and the memory.
+    pub(crate) fn add_rays(&mut self, unit: &Arc<Module>, vectors: &RayVectors, scene: &Scene) {
+        let walk = "rtl_model::units::traverse::walk";
+        for (stem, description, golden, set) in [
+            (
+                "rays",
+                "rays; the id of a ray is its line, from 0",
+                walk,
+                &vectors.rays,
+            ),
+            (
+                "hits",
+                "line k is the hit of the ray with id k",
+                walk,
+                &vectors.hits,
+            ),
+            (
+                "heights",
+                "the memory of heights; line k is the word at address k",
+                "rtl_model::maps::Pyramid::memory",
+                &vectors.heights,
+            ),
+        ] {
+            let entry = Entry {
+                unit,
+                description,
+                golden,
+                scene: Some(scene),
+                seed: None,
+            };
+            self.add(stem, set, &entry);
+        }
+    }
+
+    /// Another file beside the vectors, such as their testbench.
+    pub(crate) fn add_text(&mut self, name: &str, text: String) {
+        self.texts.push((name.to_owned(), text));
+    }
+
     fn add(&mut self, stem: &str, set: &VectorSet, entry: &Entry<'_>) {
         let name = format!("{stem}.hex");
         let text = set.to_hex();
@@ -237,7 +266,8 @@ impl Files {
         self.texts.push((name, text));
     }
 
-    fn write(mut self, folder: &Path) -> Result<Manifest, VectorError> {
+    /// Writes all of them, or none.
+    pub(crate) fn write(mut self, folder: &Path) -> Result<Manifest, VectorError> {
         let manifest = (Manifest::FILE.to_owned(), self.manifest.to_json());
         self.texts.push(manifest);
         let failed = |path: &Path| {

@@ -1,8 +1,10 @@
 //! The commands, one a file.
 
+mod emit;
 mod plan;
 mod render;
 mod trace;
+mod vectors;
 mod verify;
 mod wavediff;
 
@@ -21,9 +23,11 @@ pub enum Outcome {
 pub enum Command {
     Render(render::Arguments),
     Trace(trace::Arguments),
+    Emit(emit::Arguments),
     Verify(verify::Arguments),
     Wavediff(wavediff::Arguments),
     Plan(plan::Arguments),
+    Vectors(vectors::Arguments),
 }
 
 impl Command {
@@ -35,6 +39,8 @@ impl Command {
         match self {
             Command::Render(arguments) => render::run(arguments),
             Command::Trace(arguments) => trace::run(arguments),
+            Command::Emit(arguments) => emit::run(arguments),
+            Command::Vectors(arguments) => vectors::run(arguments),
             Command::Verify(arguments) => verify::run(arguments),
             Command::Wavediff(arguments) => wavediff::run(arguments),
             Command::Plan(arguments) => plan::run(arguments),

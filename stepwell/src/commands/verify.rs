@@ -1,7 +1,7 @@
 //! `stepwell verify`: the Verilog against the golden model, outputs and registers, every cycle.
 
 mod operator;
-mod random;
+pub mod random;
 mod scene;
 mod summary;
 

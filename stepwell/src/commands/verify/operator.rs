@@ -3,8 +3,6 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use anyhow::bail;
-
 use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::digest::netlist_digest;
 use hdl_gen::emit::write_design;
@@ -17,15 +15,14 @@ use hdl_gen::verify::{FoundSimulator, OperandSets, StreamRun, VectorSource};
 use rtl_model::float::FloatFormat;
 use rtl_model::machine::StallPattern;
 use rtl_model::maps::Pyramid;
-use rtl_model::scene::WalkFormat;
 use rtl_model::units::traverse::shape_for;
-use rtl_model::units::traverse_step::{EXACT_EXIT_ULPS, INDEX_BITS, LEVEL_BITS};
 
 use super::random::{random_rays, unit_map};
 use super::summary::{SignalFacts, Summary, decode};
 use super::{Arguments, Outcome};
 use crate::output::OutputFolder;
 use crate::progress;
+use crate::units::{float_format, named_operator};
 
 /// Operand sets sent where nothing is said: what runs in a few seconds.
 const DEFAULT_VECTORS: u64 = 1_000_000;
@@ -33,43 +30,6 @@ const DEFAULT_VECTORS_EMBEDDED: u64 = 50_000;
 /// Random rays out of whose walks the steps are taken.
 const RAYS_OF_STEPS: u64 = 2_000;
 const DEFAULT_VECTORS_ICARUS: u64 = 5_000;
-
-/// The operators by the names of their units, with the parameters the traverse unit has them with.
-fn known_operators() -> Vec<FloatOperator> {
-    vec![
-        FloatOperator::Add,
-        FloatOperator::Subtract,
-        FloatOperator::Multiply,
-        FloatOperator::Divide,
-        FloatOperator::Compare,
-        FloatOperator::LessThan,
-        FloatOperator::LessEqual,
-        FloatOperator::FromInteger {
-            value_bits: INDEX_BITS + 1,
-            exponent_bits: LEVEL_BITS + 1,
-        },
-        FloatOperator::ToInteger { bits: INDEX_BITS },
-        FloatOperator::Floor,
-        FloatOperator::UlpsUp {
-            ulps: EXACT_EXIT_ULPS,
-        },
-        FloatOperator::ExactBelow,
-        FloatOperator::DepthFromHeight { bits: 8 },
-    ]
-}
-
-fn latency_of(operator: FloatOperator) -> u32 {
-    let budget = OperatorLatencies::PAPER;
-    match operator {
-        FloatOperator::Add | FloatOperator::Subtract => budget.adder,
-        FloatOperator::Multiply => budget.multiplier,
-        FloatOperator::Divide => budget.divider,
-        FloatOperator::Compare | FloatOperator::LessThan | FloatOperator::LessEqual => {
-            budget.comparator
-        }
-        _ => budget.conversion,
-    }
-}
 
 /// A unit with what is sent through it.
 struct Subject {
@@ -168,32 +128,19 @@ pub fn verify(arguments: &Arguments, name: &str) -> anyhow::Result<Outcome> {
     .answer(arguments.answer.json)
 }
 
-fn float_format(arguments: &Arguments) -> anyhow::Result<FloatFormat> {
-    match arguments.replacements.format {
-        None => Ok(FloatFormat::E7F16),
-        Some(WalkFormat::Float(format)) => Ok(format),
-        Some(other) => bail!("format {other} has no hardware: take a float eXfY, such as e7f16"),
-    }
-}
-
 /// An operator, on hard and random operands.
 fn operator(
     arguments: &Arguments,
     name: &str,
     simulator: &FoundSimulator,
 ) -> anyhow::Result<Subject> {
-    let known = known_operators();
-    let Some(&operator) = known.iter().find(|operator| operator.name() == name) else {
-        let names: Vec<_> = known.iter().map(|operator| operator.name()).collect();
-        bail!(
-            "--unit {name}: unknown; the units are {}, traverse_step, traverse",
-            names.join(", ")
-        );
-    };
-    let format = float_format(arguments)?;
+    let operator = named_operator(name)?;
+    let format = float_format(arguments.replacements.format)?;
     operator.check(format)?;
     let rounding = arguments.rounding;
-    let latency = arguments.latency.unwrap_or(latency_of(operator));
+    let latency = arguments
+        .latency
+        .unwrap_or(OperatorLatencies::PAPER.of_operator(operator));
     let default_vectors = match simulator {
         FoundSimulator::Verilator(_) => DEFAULT_VECTORS,
         FoundSimulator::Icarus(_) => DEFAULT_VECTORS_ICARUS,
@@ -219,9 +166,9 @@ fn operator(
 
 /// A step of the traverse unit, on steps of every kind out of the walks of random rays.
 fn step(arguments: &Arguments) -> anyhow::Result<Subject> {
-    let format = float_format(arguments)?;
+    let format = float_format(arguments.replacements.format)?;
     FloatOperator::Add.check(format)?;
-    let source = unit_map(arguments)?;
+    let source = unit_map(&arguments.replacements)?;
     let pyramid = Pyramid::new(&source.source.load(source.channel, source.white_is_low)?);
     let unit = build_step_unit(&UnitConfiguration {
         shape: shape_for(&pyramid),

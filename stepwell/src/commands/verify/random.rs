@@ -6,14 +6,14 @@ use rtl_model::ray::Ray;
 use rtl_model::readings::{FloatReading, enter};
 use rtl_model::scene::SceneMap;
 
-use super::Arguments;
+use crate::options::Replacements;
 
 /// Walked where no --map is given.
 const DEFAULT_MAP: &str = "procedural:spikes:64:1";
 
 /// The map for a unit on its own.
-pub fn unit_map(arguments: &Arguments) -> anyhow::Result<SceneMap> {
-    match arguments.replacements.map.chosen() {
+pub fn unit_map(replacements: &Replacements) -> anyhow::Result<SceneMap> {
+    match replacements.map.chosen() {
         Some(map) => Ok(map),
         None => Ok(SceneMap {
             source: MapSource::parse(DEFAULT_MAP)?,

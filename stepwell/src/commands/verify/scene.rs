@@ -55,7 +55,7 @@ pub fn verify(arguments: &Arguments, path: &Path) -> anyhow::Result<Outcome> {
 
 /// Verifies the traverse unit with random rays.
 pub fn verify_random(arguments: &Arguments) -> anyhow::Result<Outcome> {
-    let map = unit_map(arguments)?;
+    let map = unit_map(&arguments.replacements)?;
     let pyramid = Pyramid::new(&map.source.load(map.channel, map.white_is_low)?);
     let walk = Walk {
         method: arguments.replacements.method.unwrap_or(Method::Oh),

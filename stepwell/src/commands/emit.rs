@@ -1,0 +1,177 @@
+//! `stepwell emit`: Verilog, vectors and testbench for anybody's simulator.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use hdl_gen::datapath::OperatorLatencies;
+use hdl_gen::digest::netlist_digest;
+use hdl_gen::package::{Package, package_operator, package_scene, package_step};
+use hdl_gen::vectors::OperatorChoice;
+use rtl_model::float::Rounding;
+use rtl_model::maps::Pyramid;
+
+use super::Outcome;
+use super::verify::random::{random_rays, unit_map};
+use crate::options::{AnswerOptions, Replacements};
+use crate::output::OutputFolder;
+use crate::summary::{json, table};
+use crate::terminal;
+use crate::units::{float_format, named_operator};
+
+/// Verilog, vectors and a self-checking testbench of a scene or of one unit
+///
+/// The folder gets rtl/ (plain Verilog-2005, one module a file), testbench/ (vectors as $readmemh
+/// files, their manifest.json, the testbench) and a FuseSoC core file. Nothing of it needs Rust or
+/// this program.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Example: stepwell emit scenes/small.toml -o out/emitted && \
+                  cd out/emitted/testbench && iverilog -g2005 -o run ../rtl/*.v *.v && vvp -n run"
+)]
+pub struct Arguments {
+    /// Scene file (TOML)
+    #[arg(
+        value_name = "SCENE",
+        required_unless_present = "unit",
+        conflicts_with = "unit"
+    )]
+    scene: Option<PathBuf>,
+
+    /// One unit instead of a scene: an operator (float_add, ...) or traverse_step
+    #[arg(long, value_name = "UNIT")]
+    unit: Option<String>,
+
+    #[command(flatten)]
+    replacements: Replacements,
+
+    /// Of an operator: rne, rtz, rup or rdn
+    #[arg(
+        long,
+        value_name = "ROUNDING",
+        default_value = "rne",
+        requires = "unit"
+    )]
+    rounding: Rounding,
+
+    /// Of an operator: its cycles; the paper's budget unless told
+    #[arg(long, value_name = "CYCLES", requires = "unit", value_parser = clap::value_parser!(u32).range(1..=32))]
+    latency: Option<u32>,
+
+    /// Of a unit: random operand sets beside the special ones, or random rays to take steps from
+    #[arg(long, value_name = "N", default_value_t = 1000, requires = "unit")]
+    vectors: u64,
+
+    /// Seed of random operands
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    /// Folder for all of it, made if missing
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+
+    #[command(flatten)]
+    answer: AnswerOptions,
+}
+
+#[derive(Serialize)]
+struct Summary {
+    schema: &'static str,
+    unit: String,
+    modules: Vec<String>,
+    netlist_digest: String,
+    testbench: String,
+    vectors: usize,
+    folder: PathBuf,
+}
+
+/// Emits the scene or the unit.
+pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
+    let folder = OutputFolder::prepare(&arguments.output)?;
+    let mut package = None;
+    folder.publish(|folder| {
+        package = Some(match (&arguments.scene, arguments.unit.as_deref()) {
+            (Some(scene), _) => package_scene(&arguments.replacements.load(scene)?, folder)?,
+            (None, Some("traverse_step")) => step(&arguments, folder)?,
+            (None, Some(unit)) => operator(&arguments, unit, folder)?,
+            (None, None) => anyhow::bail!("a scene file or --unit is needed"),
+        });
+        Ok(())
+    })?;
+    let Some(package) = package else {
+        anyhow::bail!("nothing was emitted");
+    };
+    let modules = package.top.hierarchy();
+    let summary = Summary {
+        schema: "stepwell-emit-1",
+        unit: package.top.name.clone(),
+        modules: modules.iter().map(|module| module.name.clone()).collect(),
+        netlist_digest: netlist_digest(&package.top),
+        testbench: package.testbench,
+        vectors: package.vectors,
+        folder: arguments.output,
+    };
+    let text = if arguments.answer.json {
+        json(&summary)?
+    } else {
+        let folder = &summary.folder;
+        table(&[
+            ("unit", summary.unit.clone()),
+            ("netlist", summary.netlist_digest.clone()),
+            (
+                "verilog",
+                format!(
+                    "{} modules in {}",
+                    modules.len(),
+                    folder.join("rtl").display()
+                ),
+            ),
+            (
+                "vectors",
+                format!(
+                    "{} in {}",
+                    summary.vectors,
+                    folder.join("testbench").display()
+                ),
+            ),
+            ("testbench", format!("{}.v, beside them", summary.testbench)),
+        ])
+    };
+    terminal::answer(|output| output.write_all(text.as_bytes()))?;
+    Ok(Outcome::Agreed)
+}
+
+fn operator(
+    arguments: &Arguments,
+    name: &str,
+    folder: &std::path::Path,
+) -> anyhow::Result<Package> {
+    let kind = named_operator(name)?;
+    let format = float_format(arguments.replacements.format)?;
+    kind.check(format)?;
+    let latency = arguments
+        .latency
+        .unwrap_or(OperatorLatencies::PAPER.of_operator(kind));
+    let choice = OperatorChoice {
+        kind,
+        format,
+        rounding: arguments.rounding,
+    };
+    Ok(package_operator(
+        choice,
+        latency,
+        arguments.vectors,
+        arguments.seed,
+        folder,
+    )?)
+}
+
+fn step(arguments: &Arguments, folder: &std::path::Path) -> anyhow::Result<Package> {
+    let format = float_format(arguments.replacements.format)?;
+    hdl_gen::operators::FloatOperator::Add.check(format)?;
+    let map = unit_map(&arguments.replacements)?;
+    let pyramid = Pyramid::new(&map.source.load(map.channel, map.white_is_low)?);
+    let rays = random_rays(format, arguments.vectors, arguments.seed);
+    Ok(package_step(format, &pyramid, &rays, folder)?)
+}
