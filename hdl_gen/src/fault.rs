@@ -41,7 +41,8 @@ pub enum FaultError {
 ///
 /// The path is `signal` of the top, `instance.signal` from the top down, or `module.signal`. A
 /// module that is used several times is faulty in all of them, as its one file is; its header
-/// says so, and no name changes.
+/// says so. The signal itself shows the fault, in waveforms and comparisons too; what it would be
+/// without is called `<signal>_sound`. An input port keeps its value and its name.
 ///
 /// # Errors
 /// [`FaultError::NoSuchSignal`], which names paths like it, and [`FaultError::NoSuchBit`].
@@ -154,15 +155,22 @@ fn with_fault(module: &Module, target: Target, bit: u32, path: &str) -> Module {
             ..node.clone()
         });
         if index == wire.index() {
-            let unnamed = |operation| Node {
+            let added = |operation, name, meaning| Node {
                 operation,
                 width: original.width,
-                name: None,
+                name,
                 section: original.section,
-                meaning: Meaning::Bits,
+                meaning,
             };
-            nodes.push(unnamed(Operation::Constant(1 << bit)));
-            nodes.push(unnamed(Operation::Xor(wire, mask)));
+            let takes_name = matches!(target, Target::Signal(_))
+                && !matches!(original.operation, Operation::Input);
+            let mut name = None;
+            if let (true, Some(sound)) = (takes_name, nodes.last_mut()) {
+                name = sound.name.take();
+                sound.name = name.as_ref().map(|name| format!("{name}_sound"));
+            }
+            nodes.push(added(Operation::Constant(1 << bit), None, Meaning::Bits));
+            nodes.push(added(Operation::Xor(wire, mask), name, original.meaning));
         }
     }
     let mut faulty = module.clone();

@@ -113,6 +113,19 @@ fn finds(fault: &str, simulator: &str, unit: &str) {
         "{fault}: {first}"
     );
     assert_ne!(first["expected"], first["found"], "{fault}");
+    // Registers of the loop depend on themselves a trip before: there the cause may stay open.
+    if unit == "traverse.step" {
+        assert_eq!(first["first_cause"], true, "{fault}: {first}");
+    }
+    // A fault in a signal the golden model knows is named by that very signal.
+    if let Some(signal) = fault
+        .strip_prefix("step.")
+        .and_then(|rest| rest.split(':').next())
+        && signal.contains("_s")
+        && unit == "traverse.step"
+    {
+        assert_eq!(first["signal"], signal, "{fault}: {first}");
+    }
 }
 
 #[test]

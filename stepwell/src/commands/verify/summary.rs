@@ -85,10 +85,10 @@ pub fn decode(comparison: &Comparison, signals: &[SignalFacts]) -> Vec<DecodedDi
             let first_cause = facts
                 .filter(|facts| !facts.sources.is_empty())
                 .map(|facts| {
-                    facts
-                        .sources
-                        .iter()
-                        .all(|(source, cycles)| *cycles > 0 || !differs.contains(source))
+                    facts.sources.iter().all(|(source, cycles)| {
+                        let earlier = *cycles > 0 && one.cycle >= u64::from(*cycles);
+                        earlier || !differs.contains(source)
+                    })
                 });
             DecodedDivergence {
                 cycle: one.cycle,
