@@ -4,7 +4,6 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use hdl_gen::datapath::OperatorLatencies;
-use hdl_gen::digest::netlist_digest;
 use hdl_gen::emit::write_design;
 use hdl_gen::fault::plant;
 use hdl_gen::netlist::Module;
@@ -18,7 +17,7 @@ use rtl_model::maps::Pyramid;
 use rtl_model::units::traverse::shape_for;
 
 use super::random::{random_rays, unit_map};
-use super::summary::{SignalFacts, Summary, decode};
+use super::summary::{Finished, SignalFacts, Summary};
 use super::{Arguments, Outcome};
 use crate::output::OutputFolder;
 use crate::progress;
@@ -98,34 +97,21 @@ pub fn verify(arguments: &Arguments, name: &str) -> anyhow::Result<Outcome> {
             sources: Vec::new(),
         })
         .collect();
-    Summary {
-        schema: "stepwell-verify-1",
-        unit: unit.name.clone(),
-        simulator: simulator.name().to_owned(),
-        simulator_version: simulator.version().to_owned(),
+    let finished = Finished {
+        unit,
+        simulator: &simulator,
         format: subject.format.to_string(),
         method: None,
         map: subject.map,
-        rays: comparison.rays,
-        rays_sent: subject.count,
+        comparison,
+        signals,
+        sent: subject.count,
         exhaustive: subject.exhaustive,
-        guards: 0,
-        mismatches: comparison.mismatches,
-        cycles: comparison.cycles,
-        cycles_compared: comparison.cycles_compared,
-        signals_compared: comparison.signals_compared,
         seconds: start.elapsed().as_secs_f64(),
         build_seconds,
-        netlist_digest: netlist_digest(unit),
-        planted_fault: arguments
-            .plant_fault
-            .as_ref()
-            .map(|fault| format!("{}:{}", fault.signal, fault.bit)),
-        seed: arguments.seed,
-        first_divergence: decode(&comparison, &signals),
         files,
-    }
-    .answer(arguments.answer.json)
+    };
+    Summary::new(arguments, finished).answer(arguments.answer.json)
 }
 
 /// An operator, on hard and random operands.

@@ -8,7 +8,6 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 
 use hdl_gen::datapath::OperatorLatencies;
-use hdl_gen::digest::netlist_digest;
 use hdl_gen::emit::write_design;
 use hdl_gen::fault::plant;
 use hdl_gen::operators::FloatOperator;
@@ -27,10 +26,11 @@ use rtl_model::units::traverse::shape_for;
 use rtl_model::walker::Walker;
 
 use super::random::{random_rays, unit_map};
-use super::summary::{SignalFacts, Summary, decode};
+use super::summary::{Finished, SignalFacts, Summary};
 use super::{Arguments, Outcome};
 use crate::output::OutputFolder;
 use crate::progress;
+use crate::units::float_format;
 
 /// Verifies the frame of a scene.
 pub fn verify(arguments: &Arguments, path: &Path) -> anyhow::Result<Outcome> {
@@ -98,14 +98,11 @@ fn frame_rays(scene: &Scene, pyramid: &Pyramid) -> anyhow::Result<Vec<Ray<u64>>>
         .collect()
 }
 
+/// The walk's format, if the operators can be built in it.
 fn hardware_format(walk: Walk) -> anyhow::Result<FloatFormat> {
-    match walk.format {
-        WalkFormat::Float(format) => {
-            FloatOperator::Add.check(format)?;
-            Ok(format)
-        }
-        other => bail!("format {other} has no hardware: take a float eXfY, such as --format e7f16"),
-    }
+    let format = float_format(Some(walk.format))?;
+    FloatOperator::Add.check(format)?;
+    Ok(format)
 }
 
 impl Subject {
@@ -178,34 +175,21 @@ impl Subject {
                 sources: probe.sources.clone(),
             })
             .collect();
-        Summary {
-            schema: "stepwell-verify-1",
-            unit: unit.design.name.clone(),
-            simulator: simulator.name().to_owned(),
-            simulator_version: simulator.version().to_owned(),
+        let finished = Finished {
+            unit: &unit.design,
+            simulator: &simulator,
             format: walk.format.to_string(),
             method: Some(walk.method.to_string()),
             map: Some(map.clone()),
-            rays: comparison.rays,
-            rays_sent: rays.len() as u64,
+            comparison,
+            signals,
+            sent: rays.len() as u64,
             exhaustive: false,
-            guards: comparison.guards,
-            mismatches: comparison.mismatches,
-            cycles: comparison.cycles,
-            cycles_compared: comparison.cycles_compared,
-            signals_compared: comparison.signals_compared,
             seconds: start.elapsed().as_secs_f64(),
             build_seconds,
-            netlist_digest: netlist_digest(&unit.design),
-            planted_fault: arguments
-                .plant_fault
-                .as_ref()
-                .map(|fault| format!("{}:{}", fault.signal, fault.bit)),
-            seed: arguments.seed,
-            first_divergence: decode(&comparison, &signals),
             files,
-        }
-        .answer(arguments.answer.json)
+        };
+        Summary::new(arguments, finished).answer(arguments.answer.json)
     }
 }
 

@@ -1,12 +1,15 @@
 //! What a verification found, for people and for programs.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use serde::Serialize;
 
-use hdl_gen::netlist::Meaning;
-use hdl_gen::verify::{Comparison, decoded_value, units_in_the_last_place};
+use hdl_gen::digest::netlist_digest;
+use hdl_gen::netlist::{Meaning, Module};
+use hdl_gen::verify::{Comparison, FoundSimulator, decoded_value, units_in_the_last_place};
 
+use super::Arguments;
 use crate::commands::Outcome;
 use crate::summary::{json, table};
 use crate::terminal;
@@ -40,6 +43,22 @@ pub struct Summary {
     pub files: Vec<PathBuf>,
 }
 
+/// A finished run, of which a [`Summary`] tells.
+pub struct Finished<'a> {
+    pub unit: &'a Arc<Module>,
+    pub simulator: &'a FoundSimulator,
+    pub format: String,
+    pub method: Option<String>,
+    pub map: Option<String>,
+    pub comparison: Comparison,
+    pub signals: Vec<SignalFacts>,
+    pub sent: u64,
+    pub exhaustive: bool,
+    pub seconds: f64,
+    pub build_seconds: f64,
+    pub files: Vec<PathBuf>,
+}
+
 /// A signal that was not what the golden model says, decoded.
 #[derive(Serialize)]
 pub struct DecodedDivergence {
@@ -66,7 +85,7 @@ pub struct SignalFacts {
 /// Decodes the divergences of the first divergent cycle, first causes first. A signal is a first
 /// cause if all its sources agreed: those of earlier cycles did, since nothing differed there.
 /// Before cycle 0 the unit stood idle in reset, as it still does in cycle 0.
-pub fn decode(comparison: &Comparison, signals: &[SignalFacts]) -> Vec<DecodedDivergence> {
+fn decode(comparison: &Comparison, signals: &[SignalFacts]) -> Vec<DecodedDivergence> {
     let path = |unit: &str, signal: &str| format!("{unit}.{signal}");
     let differs: Vec<String> = comparison
         .first
@@ -112,6 +131,36 @@ pub fn decode(comparison: &Comparison, signals: &[SignalFacts]) -> Vec<DecodedDi
 const SHOWN: usize = 8;
 
 impl Summary {
+    /// The summary of a run.
+    pub fn new(arguments: &Arguments, run: Finished<'_>) -> Summary {
+        let comparison = run.comparison;
+        let planted = arguments.plant_fault.as_ref();
+        Summary {
+            schema: "stepwell-verify-1",
+            unit: run.unit.name.clone(),
+            simulator: run.simulator.name().to_owned(),
+            simulator_version: run.simulator.version().to_owned(),
+            format: run.format,
+            method: run.method,
+            map: run.map,
+            rays: comparison.rays,
+            rays_sent: run.sent,
+            exhaustive: run.exhaustive,
+            guards: comparison.guards,
+            mismatches: comparison.mismatches,
+            cycles: comparison.cycles,
+            cycles_compared: comparison.cycles_compared,
+            signals_compared: comparison.signals_compared,
+            seconds: run.seconds,
+            build_seconds: run.build_seconds,
+            netlist_digest: netlist_digest(run.unit),
+            planted_fault: planted.map(|fault| format!("{}:{}", fault.signal, fault.bit)),
+            seed: arguments.seed,
+            first_divergence: decode(&comparison, &run.signals),
+            files: run.files,
+        }
+    }
+
     /// Tells person or program, and says how it came out.
     pub fn answer(&self, as_json: bool) -> anyhow::Result<Outcome> {
         let compared = self.cycles_compared > 0 && self.signals_compared > 0;
