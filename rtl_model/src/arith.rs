@@ -34,8 +34,9 @@ pub trait Arith {
     /// `a / b`. A division of a nonzero number by zero is infinite.
     fn div(&mut self, rounding: Rounding, a: Self::Num, b: Self::Num) -> Self::Num;
     /// A number at least `ulps` units in the last place above `a`, which must not be negative;
-    /// infinity where there is none. Readings that do not round answer `a` itself: the operator
-    /// turns a lower bound into an upper one, and there the two are the same.
+    /// infinity where there is none. A result below the smallest normal number is flushed, so zero
+    /// stays zero. Readings that do not round answer `a` itself: the operator turns a lower bound
+    /// into an upper one, and there the two are the same.
     fn ulps_up(&mut self, a: Self::Num, ulps: u32) -> Self::Num;
     /// The power of two below which every multiple of `a`'s last nonzero fraction bit is
     /// representable; infinity for zero, and in readings that do not round. A difference of `a`
