@@ -1,5 +1,6 @@
 //! Which operands an operator is tried on.
 
+use super::split_mix::SplitMix;
 use crate::operators::FloatOperator;
 use rtl_model::float::FloatFormat;
 
@@ -176,17 +177,4 @@ fn hard_integers(width: u32) -> Vec<u64> {
     let mut values = vec![0, 1, 2, 3, half - 1, half, half + 1, full - 1, full];
     values.extend((2..width - 1).flat_map(|bit| [(1 << bit) - 1, 1 << bit, (1 << bit) + 1]));
     values
-}
-
-/// SplitMix64 (Steele, Lea, Flood 2014): a small generator, the same everywhere.
-struct SplitMix(u64);
-
-impl SplitMix {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
-    }
 }

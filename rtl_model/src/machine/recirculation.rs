@@ -157,11 +157,6 @@ impl<'a, R: Word> TraverseMachine<'a, R> {
         &self.stages[self.first]
     }
 
-    /// Rays in the pipeline.
-    pub fn occupancy(&self) -> usize {
-        self.stages.iter().filter(|stage| stage.valid).count()
-    }
-
     /// What the output ports carry in this cycle.
     pub fn outputs(&self, inputs: &CycleInputs<R::Num>) -> CycleOutputs<R::Num> {
         let last = self.last();

@@ -9,11 +9,12 @@ use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::digest::netlist_digest;
 use hdl_gen::package::{Package, package_operator, package_scene, package_step};
 use hdl_gen::vectors::OperatorChoice;
+use hdl_gen::verify::random_rays;
 use rtl_model::float::Rounding;
 use rtl_model::maps::Pyramid;
 
 use super::Outcome;
-use super::verify::random::{random_rays, unit_map};
+use super::verify::unit_map::unit_map;
 use crate::options::{AnswerOptions, Replacements};
 use crate::output::OutputFolder;
 use crate::summary::{json, table};

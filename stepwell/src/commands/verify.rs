@@ -1,9 +1,10 @@
 //! `stepwell verify`: the Verilog against the golden model, outputs and registers, every cycle.
 
 mod operator;
-pub mod random;
+
 mod scene;
 mod summary;
+pub mod unit_map;
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;

@@ -10,14 +10,14 @@ use hdl_gen::netlist::Module;
 use hdl_gen::operators::{FloatOperator, float_operator, stream_unit};
 use hdl_gen::units::{UnitConfiguration, build_step_unit};
 use hdl_gen::vectors::{Role, idle_step_results, step_vectors};
-use hdl_gen::verify::{FoundSimulator, OperandSets, StreamRun, VectorSource};
+use hdl_gen::verify::{FoundSimulator, OperandSets, StreamRun, VectorSource, random_rays};
 use rtl_model::float::FloatFormat;
 use rtl_model::machine::StallPattern;
 use rtl_model::maps::Pyramid;
 use rtl_model::units::traverse::shape_for;
 
-use super::random::{random_rays, unit_map};
 use super::summary::{Finished, SignalFacts, Summary};
+use super::unit_map::unit_map;
 use super::{Arguments, Outcome};
 use crate::output::OutputFolder;
 use crate::progress;

@@ -14,7 +14,7 @@ use hdl_gen::operators::FloatOperator;
 use hdl_gen::units::{TraverseUnit, UnitConfiguration};
 use hdl_gen::verify::{
     Comparison, FoundSimulator, GoldenRun, SimulatedWaveform, TraceWindow, conform_window,
-    golden_waveform, run_embedded, run_verilator, traverse_plan, verilator_waveform,
+    golden_waveform, random_rays, run_embedded, run_verilator, traverse_plan, verilator_waveform,
 };
 use rtl_model::float::FloatFormat;
 use rtl_model::machine::{ID_BITS, StallPattern};
@@ -25,8 +25,8 @@ use rtl_model::scene::{Method, Scene, Walk, WalkFormat};
 use rtl_model::units::traverse::shape_for;
 use rtl_model::walker::Walker;
 
-use super::random::{random_rays, unit_map};
 use super::summary::{Finished, SignalFacts, Summary};
+use super::unit_map::unit_map;
 use super::{Arguments, Outcome};
 use crate::output::OutputFolder;
 use crate::progress;
