@@ -8,12 +8,10 @@
 use crate::datapath::OperatorLatencies;
 use crate::emit::{EmitError, write_design};
 use crate::netlist::Module;
-use crate::operators::{float_operator, stream_unit};
+use crate::operators::{OperatorConfiguration, stream_unit};
 use crate::testbench::{TraverseBench, stream_testbench, traverse_testbench};
 use crate::units::{TraverseUnit, UnitConfiguration, build_step_unit};
-use crate::vectors::{
-    Files, OperatorChoice, VectorError, operator_vectors, ray_vectors, scene_rays, step_vectors,
-};
+use crate::vectors::{Files, VectorError, operator_vectors, ray_vectors, scene_rays, step_vectors};
 use rtl_model::float::FloatFormat;
 use rtl_model::machine::StallPattern;
 use rtl_model::maps::Pyramid;
@@ -84,13 +82,13 @@ pub fn package_scene(scene: &Scene, folder: &Path) -> Result<Package, PackageErr
 /// # Errors
 /// If a file cannot be written.
 pub fn package_operator(
-    choice: OperatorChoice,
+    choice: OperatorConfiguration,
     latency: u32,
     random: u64,
     seed: u64,
     folder: &Path,
 ) -> Result<Package, PackageError> {
-    let core = float_operator(choice.kind, choice.format, choice.rounding, latency);
+    let core = choice.build(latency);
     let unit = stream_unit(&core);
     let set = operator_vectors(choice, random, seed);
     let mut files = Files::default();

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::emit::{verilog, write_design};
 use hdl_gen::netlist::Module;
-use hdl_gen::operators::{float_operator, stream_unit};
+use hdl_gen::operators::{OperatorConfiguration, stream_unit};
 use hdl_gen::units::{TraverseUnit, UnitConfiguration};
 use rayon::prelude::*;
 use rtl_model::float::FloatFormat;
@@ -43,7 +43,8 @@ fn designs() -> Vec<(String, Arc<Module>)> {
     }
     for (operator, rounding) in operators::every_operator(FORMAT) {
         let latency = OperatorLatencies::PAPER.of_operator(operator);
-        let unit = stream_unit(&float_operator(operator, FORMAT, rounding, latency));
+        let unit =
+            stream_unit(&OperatorConfiguration::new(operator, FORMAT, rounding).build(latency));
         designs.push((unit.name.clone(), unit));
     }
     designs

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use bench::{Bench, Mismatch, Random, all_pairs, golden_binary, hard_pair};
 use hdl_gen::netlist::{Module, Operation};
-use hdl_gen::operators::{FloatOperator, float_operator};
+use hdl_gen::operators::{FloatOperator, OperatorConfiguration};
 use rayon::prelude::*;
 use rtl_model::float::{FloatFormat, Rounding};
 
@@ -33,7 +33,7 @@ fn operators() -> Vec<(FloatOperator, Rounding)> {
 }
 
 fn exhaust(kind: FloatOperator, format: FloatFormat, rounding: Rounding, latency: u32) {
-    let module = float_operator(kind, format, rounding, latency);
+    let module = OperatorConfiguration::new(kind, format, rounding).build(latency);
     assert_eq!(module.latency, latency);
     let agreed = Bench::new(&module).run(all_pairs(format), |[a, b]| {
         golden_binary(kind, format, rounding, a, b)
@@ -73,7 +73,7 @@ fn operators_agree_on_hard_and_random_pairs_of_e7f16() {
     let format = FloatFormat::E7F16;
     operators().into_par_iter().for_each(|(kind, rounding)| {
         for latency in [0, 3] {
-            let module = float_operator(kind, format, rounding, latency);
+            let module = OperatorConfiguration::new(kind, format, rounding).build(latency);
             let mut random = Random(u64::from(latency));
             let pairs = std::iter::repeat_with(|| hard_pair(&mut random, format)).take(PAIRS);
             let agreed = Bench::new(&module)
@@ -91,7 +91,7 @@ fn operators_agree_on_pairs_of_the_widest_fraction_and_of_binary32() {
         FloatFormat::new(5, 10),
     ] {
         operators().into_par_iter().for_each(|(kind, rounding)| {
-            let module = float_operator(kind, format, rounding, 0);
+            let module = OperatorConfiguration::new(kind, format, rounding).build(0);
             let mut random = Random(1);
             let pairs = std::iter::repeat_with(|| hard_pair(&mut random, format)).take(20_000);
             let agreed = Bench::new(&module)
@@ -138,7 +138,7 @@ fn a_planted_fault_is_caught() {
         .collect::<Vec<_>>()
         .into_par_iter()
         .for_each(|(kind, rounding)| {
-            let module = float_operator(kind, format, rounding, 0);
+            let module = OperatorConfiguration::new(kind, format, rounding).build(0);
             let (mut planted, mut missed) = (0, Vec::new());
             for index in 0..module.nodes.len() {
                 let Some(faulty) = with_fault(&module, index) else {

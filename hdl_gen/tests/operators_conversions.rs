@@ -3,7 +3,7 @@
 mod bench;
 
 use bench::{Bench, Random, golden_unary};
-use hdl_gen::operators::{FloatOperator, float_operator};
+use hdl_gen::operators::{FloatOperator, OperatorConfiguration};
 use rayon::prelude::*;
 use rtl_model::float::{FloatFormat, Rounding};
 
@@ -22,7 +22,7 @@ fn operands(format: FloatFormat) -> impl Iterator<Item = [u64; 1]> {
 }
 
 fn compare_unary(kind: FloatOperator, format: FloatFormat, rounding: Rounding, latency: u32) {
-    let module = float_operator(kind, format, rounding, latency);
+    let module = OperatorConfiguration::new(kind, format, rounding).build(latency);
     let vectors: Box<dyn Iterator<Item = [u64; 1]>> = match kind {
         FloatOperator::DepthFromHeight { bits } => Box::new((0..1 << bits).map(|height| [height])),
         _ => Box::new(operands(format)),
@@ -106,7 +106,7 @@ fn conversion_from_integer_agrees() {
                         value_bits,
                         exponent_bits,
                     };
-                    let module = float_operator(kind, format, rounding, latency);
+                    let module = OperatorConfiguration::new(kind, format, rounding).build(latency);
                     let golden = |[value, exponent]: [u64; 2]| {
                         let value = sign_extended(value, value_bits);
                         format.from_integer(rounding, value, sign_extended(exponent, exponent_bits))

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 
 use bench::{Random, all_pairs, golden_binary};
 use hdl_gen::netlist::Operation;
-use hdl_gen::operators::{FloatOperator, float_operator, stream_unit};
+use hdl_gen::operators::{FloatOperator, OperatorConfiguration, stream_unit};
 use hdl_gen::pipeline::longest_path;
 use hdl_gen::simulate::Simulator;
 use rtl_model::float::{FloatFormat, Rounding};
@@ -15,12 +15,9 @@ use rtl_model::float::{FloatFormat, Rounding};
 /// oldest pair that has none yet. Returns the cycles it took.
 fn stream(latency: u32, pairs: usize, offer_percent: u64, take_percent: u64) -> u64 {
     let (format, rounding) = (FloatFormat::E4F3, Rounding::NearestEven);
-    let unit = stream_unit(&float_operator(
-        FloatOperator::Add,
-        format,
-        rounding,
-        latency,
-    ));
+    let unit = stream_unit(
+        &OperatorConfiguration::new(FloatOperator::Add, format, rounding).build(latency),
+    );
     assert_eq!(unit.name, format!("float_add_e4f3_rne_l{latency}_unit"));
     let mut simulator = Simulator::new(&unit).unwrap();
     simulator.reset();
@@ -93,12 +90,12 @@ fn a_stream_unit_without_stalls_takes_a_pair_every_cycle() {
 #[test]
 #[should_panic(expected = "needs a pipelined core")]
 fn combinational_logic_has_no_stream_unit() {
-    let core = float_operator(
+    let core = OperatorConfiguration::new(
         FloatOperator::LessThan,
         FloatFormat::E4F3,
         Rounding::NearestEven,
-        0,
-    );
+    )
+    .build(0);
     stream_unit(&core);
 }
 
@@ -110,7 +107,9 @@ fn every_path_crosses_as_many_registers_as_the_latency() {
         FloatOperator::Compare,
     ] {
         for latency in 1..=6 {
-            let module = float_operator(kind, FloatFormat::E7F16, Rounding::NearestEven, latency);
+            let module =
+                OperatorConfiguration::new(kind, FloatFormat::E7F16, Rounding::NearestEven)
+                    .build(latency);
             // Registers behind an input or behind nothing but constants, along any path.
             let mut crossed: Vec<Option<u32>> = Vec::new();
             for node in &module.nodes {
@@ -164,12 +163,9 @@ fn more_stages_are_shorter_stages() {
     ] {
         let path = |latency| {
             let format = FloatFormat::E7F16;
-            longest_path(&float_operator(
-                kind,
-                format,
-                Rounding::NearestEven,
-                latency,
-            ))
+            longest_path(
+                &OperatorConfiguration::new(kind, format, Rounding::NearestEven).build(latency),
+            )
         };
         let paths: Vec<u32> = (1..=4).map(path).collect();
         assert_eq!(path(0), paths[0], "one stage holds all the logic");

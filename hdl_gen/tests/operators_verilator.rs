@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use hdl_gen::fault::plant;
 use hdl_gen::netlist::{Builder, Module, Operation, Wire};
-use hdl_gen::operators::{FloatOperator, float_operator, stream_unit};
+use hdl_gen::operators::{FloatOperator, OperatorConfiguration, stream_unit};
 use hdl_gen::pipeline::ENABLE;
 use hdl_gen::verify::{Comparison, OperandSets, StreamRun};
 use rtl_model::float::{FloatFormat, Rounding};
@@ -46,7 +46,7 @@ impl Gallery {
         let a = builder.input("a_i", format.width());
         let b = builder.input("b_i", format.width());
         for &(operator, rounding) in &operators {
-            let module = float_operator(operator, format, rounding, LATENCY);
+            let module = OperatorConfiguration::new(operator, format, rounding).build(LATENCY);
             let widths = operator.operand_widths(format);
             let mut ports = vec![enable];
             for (operand, width) in [a, b].into_iter().zip(widths) {
@@ -193,7 +193,7 @@ fn a_fault_in_any_operator_is_caught_and_its_output_named() {
     let gallery = Gallery::new(FloatFormat::E4F3);
     for &(operator, rounding) in &gallery.operators {
         let instance = instance_name(operator, rounding);
-        let module = float_operator(operator, gallery.format, rounding, LATENCY);
+        let module = OperatorConfiguration::new(operator, gallery.format, rounding).build(LATENCY);
         let path = format!("core.{instance}.{}", inner_register(&module));
         let faulty = plant(&gallery.unit, &path, 0).unwrap();
         let comparison = gallery.run(&faulty, |run| run.embedded(|_, _, _| {}).unwrap());

@@ -1,7 +1,7 @@
 //! The vectors in `vectors/`: are they the golden model's, and would a testbench notice if not?
 
 use hdl_gen::netlist::Module;
-use hdl_gen::operators::{FloatOperator, float_operator, stream_unit};
+use hdl_gen::operators::{FloatOperator, OperatorConfiguration, stream_unit};
 use hdl_gen::vectors::{Manifest, ManifestFile, VectorPlan, VectorSet, write_vectors};
 use hdl_gen::verify::{Icarus, run_vectors_embedded};
 use rtl_model::float::{FloatFormat, Rounding};
@@ -66,7 +66,8 @@ fn adder() -> (ManifestFile, VectorSet, Arc<Module>) {
     let file = manifest.file("float_add_e7f16_rne.hex").unwrap().clone();
     let set = file.read(&folder).unwrap();
     let format = FloatFormat::E7F16;
-    let core = float_operator(FloatOperator::Add, format, Rounding::NearestEven, 2);
+    let core =
+        OperatorConfiguration::new(FloatOperator::Add, format, Rounding::NearestEven).build(2);
     let unit = stream_unit(&core);
     assert_eq!(unit.name, file.unit);
     (file, set, unit)

@@ -3,10 +3,10 @@
 use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::emit::write_design;
 use hdl_gen::netlist::Module;
-use hdl_gen::operators::{FloatOperator, float_operator, stream_unit};
+use hdl_gen::operators::{FloatOperator, OperatorConfiguration, stream_unit};
 use hdl_gen::testbench::{TraverseBench, stream_testbench, traverse_testbench};
 use hdl_gen::units::{TraverseUnit, UnitConfiguration};
-use hdl_gen::vectors::{OperatorChoice, operator_vectors};
+use hdl_gen::vectors::operator_vectors;
 use hdl_gen::verify::Verilator;
 use rtl_model::float::{FloatFormat, Rounding};
 use rtl_model::machine::StallPattern;
@@ -55,12 +55,8 @@ fn testbenches_are_clean_under_lint() {
     assert_eq!(lint(&unit.design, &traverse_testbench(&unit, &bench)), "");
 
     for kind in [FloatOperator::Add, FloatOperator::Compare] {
-        let choice = OperatorChoice {
-            kind,
-            format: FloatFormat::E7F16,
-            rounding: Rounding::NearestEven,
-        };
-        let unit = stream_unit(&float_operator(kind, choice.format, choice.rounding, 2));
+        let choice = OperatorConfiguration::new(kind, FloatFormat::E7F16, Rounding::NearestEven);
+        let unit = stream_unit(&choice.build(2));
         let set = operator_vectors(choice, 4, 1);
         assert_eq!(
             lint(&unit, &stream_testbench(&unit, &set, "vectors.hex")),

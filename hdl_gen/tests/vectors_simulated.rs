@@ -3,7 +3,7 @@
 use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::fault::plant;
 use hdl_gen::netlist::Module;
-use hdl_gen::operators::{float_operator, stream_unit};
+use hdl_gen::operators::stream_unit;
 use hdl_gen::units::{UnitConfiguration, build_step_unit};
 use hdl_gen::vectors::{VectorPlan, VectorSet, operator_vectors, scene_rays, step_vectors};
 use hdl_gen::verify::{Icarus, run_vectors_embedded};
@@ -41,8 +41,8 @@ fn units() -> Vec<(Arc<Module>, VectorSet)> {
         .operators(FORMAT)
         .into_iter()
         .map(|choice| {
-            let latency = plan.latencies.of_operator(choice.kind);
-            let core = float_operator(choice.kind, FORMAT, choice.rounding, latency);
+            let latency = plan.latencies.of_operator(choice.operator);
+            let core = choice.build(latency);
             let set = operator_vectors(choice, plan.random, plan.seed);
             (stream_unit(&core), set)
         })
@@ -80,7 +80,7 @@ fn every_unit_gives_the_golden_results() {
 fn nothing_compared_is_no_success() {
     let plan = plan();
     let choice = plan.operators(FORMAT)[0];
-    let core = float_operator(choice.kind, FORMAT, choice.rounding, 2);
+    let core = choice.build(2);
     let unit = stream_unit(&core);
     let mut set = operator_vectors(choice, 0, 1);
     set.vectors.clear();
@@ -94,7 +94,7 @@ fn nothing_compared_is_no_success() {
 fn faults_of_the_handshake_and_of_the_arithmetic_are_caught() {
     let plan = plan();
     let choice = plan.operators(FORMAT)[0];
-    let core = float_operator(choice.kind, FORMAT, choice.rounding, 2);
+    let core = choice.build(2);
     let unit = stream_unit(&core);
     let set = operator_vectors(choice, plan.random, plan.seed);
     let icarus = icarus();

@@ -4,7 +4,7 @@ use super::record::Recording;
 use super::schedule::{OperatorLatencies, Schedule};
 use super::signal::{Kind, RecordedOperation, SignalId};
 use crate::netlist::{Builder, Meaning, Module, Wire};
-use crate::operators::{FloatOperator, float_operator};
+use crate::operators::{FloatOperator, OperatorConfiguration};
 use crate::pipeline::ENABLE;
 use rtl_model::float::Rounding;
 use std::collections::{BTreeMap, HashMap};
@@ -310,7 +310,7 @@ impl Build<'_> {
         inputs: &[Wire],
     ) -> Wire {
         let latency = self.latencies.of(&self.recording.signal(id).operation);
-        let made = float_operator(kind, self.recording.format, rounding, latency);
+        let made = OperatorConfiguration::new(kind, self.recording.format, rounding).build(latency);
         let module = self
             .operators
             .entry(made.name.clone())

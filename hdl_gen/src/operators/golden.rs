@@ -1,7 +1,7 @@
 //! What an operator must answer, by the golden arithmetic. For comparisons only: no operator is
 //! built with it.
 
-use super::FloatOperator;
+use super::{FloatOperator, OperatorConfiguration};
 use rtl_model::float::{FloatFormat, Rounding};
 
 impl FloatOperator {
@@ -76,6 +76,15 @@ impl FloatOperator {
             FloatOperator::DepthFromHeight { bits } => format.depth_from_height(a, bits),
         };
         results.push(result);
+    }
+}
+
+impl OperatorConfiguration {
+    /// Appends the golden results to `results`, in the order of its output ports. Operands are the
+    /// bits of its input ports.
+    pub fn golden_results(self, operands: &[u64], results: &mut Vec<u64>) {
+        self.operator
+            .golden_results(self.format, self.rounding, operands, results);
     }
 }
 

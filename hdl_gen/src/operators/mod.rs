@@ -8,11 +8,12 @@
 //! as if the exponent had no lower end and becomes a zero of its sign if it is then below the
 //! smallest normal number. Every NaN result is [`FloatFormat::quiet_nan`].
 //!
-//! [`float_operator`] gives any of them in any latency; [`stream_unit`] puts a `valid`/`ready`
+//! An [`OperatorConfiguration`] gives any of them in any latency; [`stream_unit`] puts a `valid`/`ready`
 //! handshake around one.
 
 mod add;
 mod compare;
+mod configuration;
 mod divide;
 mod golden;
 mod height;
@@ -23,13 +24,11 @@ mod shift;
 mod stream;
 mod unpack;
 
-use std::sync::Arc;
+use rtl_model::float::FloatFormat;
 
-use rtl_model::float::{FloatFormat, Rounding};
+use crate::netlist::{Builder, Meaning, Wire};
 
-use crate::netlist::{Builder, Meaning, Module, Wire};
-use crate::pipeline::{pipelined, without_unused};
-
+pub use configuration::{Multiplier, OperatorConfiguration, Radix, Structure};
 pub use stream::stream_unit;
 
 /// The widest fraction the operators take: a product of two significands must fit a word.
@@ -147,10 +146,9 @@ impl FloatOperator {
         )
     }
 
-    /// The name of its module, such as `float_add_e7f16_rne_l2`: the operator, the format, its own
-    /// parameters, the rounding where it has one, the latency.
-    pub fn module_name(self, format: FloatFormat, rounding: Rounding, latency: u32) -> String {
-        let own = match self {
+    /// The parameters of its own, as they stand in its module's name; empty where it has none.
+    fn parameters(self) -> String {
+        match self {
             FloatOperator::FromInteger {
                 value_bits,
                 exponent_bits,
@@ -159,13 +157,7 @@ impl FloatOperator {
             FloatOperator::UlpsUp { ulps } => format!("_u{ulps}"),
             FloatOperator::DepthFromHeight { bits } => format!("_h{bits}"),
             _ => String::new(),
-        };
-        let rounding = if self.rounds() {
-            format!("_{rounding}")
-        } else {
-            String::new()
-        };
-        format!("{}_{format}{own}{rounding}_l{latency}", self.name())
+        }
     }
 
     /// Can it be built in this format?
@@ -256,56 +248,14 @@ impl FloatOperator {
     }
 }
 
-/// The module of an operator: combinational for latency 0, else a pipeline that takes new operands
-/// every cycle in which `enable_i` is 1 (see [`pipelined`]). `rounding` is ignored by operators
-/// that do not round.
-///
-/// # Panics
-/// Where [`FloatOperator::check`] fails.
-pub fn float_operator(
-    kind: FloatOperator,
-    format: FloatFormat,
-    rounding: Rounding,
-    latency: u32,
-) -> Arc<Module> {
-    if let Err(error) = kind.check(format) {
-        panic!("{error}");
-    }
-    let name = kind.module_name(format, rounding, latency);
-    let mut builder = Builder::new(&name);
-    describe(&mut builder, kind, format, rounding, latency);
-    build(&mut builder, kind, format, rounding);
-    pipelined(&without_unused(&builder.finish()), latency, &name)
-}
-
-/// The header comment.
-fn describe(
-    builder: &mut Builder,
-    kind: FloatOperator,
-    format: FloatFormat,
-    rounding: Rounding,
-    latency: u32,
-) {
-    builder.describe(kind.formula());
-    builder.describe(format!(
-        "format: {format} (1 sign, {} exponent, {} fraction bits, bias {})",
-        format.exponent_bits,
-        format.fraction_bits,
-        format.exponent_bias()
-    ));
-    if kind.rounds() {
-        builder.describe(format!("rounding: {rounding}"));
-    }
-    builder.describe("policy: flush (subnormal operands and results are zeros of their sign)");
-    builder.describe(format!("latency: {latency}"));
-    builder.describe(format!(
-        "golden: rtl_model::float::FloatFormat::{}",
-        kind.golden()
-    ));
-}
-
 /// Ports and logic.
-fn build(builder: &mut Builder, kind: FloatOperator, format: FloatFormat, rounding: Rounding) {
+fn build(builder: &mut Builder, configuration: OperatorConfiguration) {
+    let OperatorConfiguration {
+        operator: kind,
+        format,
+        rounding,
+        ..
+    } = configuration;
     let (result, meaning) = match kind {
         FloatOperator::Add => (
             add::add(builder, format, rounding, false),

@@ -20,7 +20,7 @@ mod write;
 pub use error::VectorError;
 pub use field::{Field, FieldFormat, Role};
 pub use manifest::{Manifest, ManifestField, ManifestFile};
-pub use operators::{OperatorChoice, operator_vectors};
+pub use operators::operator_vectors;
 pub use rays::{RayVectors, ray_vectors, scene_rays};
 pub use set::VectorSet;
 pub use step::{idle_step_results, step_vectors};

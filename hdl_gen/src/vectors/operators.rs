@@ -1,31 +1,11 @@
 //! Vectors of single operators.
 
-use rtl_model::float::{FloatFormat, Rounding};
+use rtl_model::float::FloatFormat;
 
 use super::field::{Field, FieldFormat, Role};
 use super::set::VectorSet;
-use crate::operators::{FloatOperator, float_operator};
+use crate::operators::{FloatOperator, OperatorConfiguration};
 use crate::verify::OperandSets;
-
-/// An operator in a format: what vectors are made for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct OperatorChoice {
-    /// What it computes.
-    pub kind: FloatOperator,
-    /// Its numbers.
-    pub format: FloatFormat,
-    /// Its rounding, where it has one.
-    pub rounding: Rounding,
-}
-
-impl OperatorChoice {
-    /// The name of its file without the ending: the module's without the latency, of which a
-    /// result does not depend.
-    pub fn file_stem(&self) -> String {
-        let name = self.kind.module_name(self.format, self.rounding, 0);
-        name.strip_suffix("_l0").unwrap_or(&name).to_owned()
-    }
-}
 
 /// From this number on every operand set is a random one: the hard ones before are far fewer.
 const FIRST_RANDOM_SET: u64 = 1 << 32;
@@ -38,18 +18,18 @@ const FIRST_RANDOM_SET: u64 = 1 << 32;
 /// arithmetic's.
 ///
 /// # Panics
-/// Where [`FloatOperator::check`] fails.
-pub fn operator_vectors(choice: OperatorChoice, random: u64, seed: u64) -> VectorSet {
-    let OperatorChoice {
-        kind,
+/// Where [`OperatorConfiguration::check`] fails.
+pub fn operator_vectors(choice: OperatorConfiguration, random: u64, seed: u64) -> VectorSet {
+    let OperatorConfiguration {
+        operator: kind,
         format,
-        rounding,
+        ..
     } = choice;
     let mut set = VectorSet::new(fields(choice));
     let widths = kind.operand_widths(format);
     let mut push = |operands: &[u64]| {
         let mut vector = operands.to_vec();
-        kind.golden_results(format, rounding, operands, &mut vector);
+        choice.golden_results(operands, &mut vector);
         set.push(vector);
     };
     if let [bits @ ..=8] = widths[..] {
@@ -88,13 +68,13 @@ pub fn operator_vectors(choice: OperatorChoice, random: u64, seed: u64) -> Vecto
 }
 
 /// The fields of an operator: its ports, as its module declares them.
-fn fields(choice: OperatorChoice) -> Vec<Field> {
-    let OperatorChoice {
-        kind,
+fn fields(choice: OperatorConfiguration) -> Vec<Field> {
+    let OperatorConfiguration {
+        operator: kind,
         format,
-        rounding,
+        ..
     } = choice;
-    let module = float_operator(kind, format, rounding, 0);
+    let module = choice.build(0);
     let input = |&wire: &_| {
         let node = module.node(wire);
         let name = node.name.as_deref().expect("an input has a name");

@@ -12,14 +12,14 @@ use rtl_model::units::traverse_step::{INDEX_BITS, LEVEL_BITS};
 
 use super::error::VectorError;
 use super::manifest::{Manifest, ManifestFile};
-use super::operators::{OperatorChoice, operator_vectors};
+use super::operators::operator_vectors;
 use super::rays::{RayVectors, ray_vectors, scene_rays};
 use super::set::VectorSet;
 use super::step::step_vectors;
 use crate::datapath::OperatorLatencies;
 use crate::digest::netlist_digest;
 use crate::netlist::Module;
-use crate::operators::{FloatOperator, float_operator, stream_unit};
+use crate::operators::{FloatOperator, OperatorConfiguration, stream_unit};
 use crate::units::{TraverseUnit, UnitConfiguration, build_step_unit};
 
 /// The format of a scene's walk, if hardware can have it.
@@ -63,7 +63,7 @@ impl VectorPlan {
 
     /// The operators that vectors are made for: all there are, in the roundings the step uses and
     /// to nearest.
-    pub fn operators(&self, format: FloatFormat) -> Vec<OperatorChoice> {
+    pub fn operators(&self, format: FloatFormat) -> Vec<OperatorConfiguration> {
         use FloatOperator::*;
         use Rounding::{NearestEven, TowardZero, Up};
         [
@@ -90,11 +90,7 @@ impl VectorPlan {
             (DepthFromHeight { bits: 8 }, TowardZero),
             (DepthFromHeight { bits: 16 }, TowardZero),
         ]
-        .map(|(kind, rounding)| OperatorChoice {
-            kind,
-            format,
-            rounding,
-        })
+        .map(|(operator, rounding)| OperatorConfiguration::new(operator, format, rounding))
         .to_vec()
     }
 }
@@ -116,10 +112,10 @@ pub fn write_vectors(plan: &VectorPlan, folder: &Path) -> Result<Manifest, Vecto
     };
     let mut files = Files::default();
     for choice in plan.operators(format) {
-        let latency = plan.latencies.of_operator(choice.kind);
+        let latency = plan.latencies.of_operator(choice.operator);
         let set = operator_vectors(choice, plan.random, plan.seed);
         let seed = (plan.random > 0).then_some(plan.seed);
-        files.add_operator(&choice.file_stem(), choice, latency, &set, seed);
+        files.add_operator(&choice.name(), choice, latency, &set, seed);
     }
     let step = build_step_unit(&configuration);
     let set = step_vectors(&step, format, &pyramid, &rays);
@@ -158,12 +154,12 @@ impl Files {
     pub(crate) fn add_operator(
         &mut self,
         stem: &str,
-        choice: OperatorChoice,
+        choice: OperatorConfiguration,
         latency: u32,
         set: &VectorSet,
         seed: Option<u64>,
     ) {
-        let core = float_operator(choice.kind, choice.format, choice.rounding, latency);
+        let core = choice.build(latency);
         let golden = core
             .description
             .iter()

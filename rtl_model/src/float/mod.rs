@@ -24,13 +24,17 @@
 
 mod conversion;
 mod depth;
+mod flags;
 mod format;
 mod grain;
 mod order;
 mod pattern;
+mod policy;
 mod product;
 mod rounder;
 mod sum;
 
 pub use conversion::ToIntegerError;
+pub use flags::Flags;
 pub use format::{FloatFormat, Rounding};
+pub use policy::Policy;

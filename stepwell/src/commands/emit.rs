@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::digest::netlist_digest;
+use hdl_gen::operators::OperatorConfiguration;
 use hdl_gen::package::{Package, package_operator, package_scene, package_step};
-use hdl_gen::vectors::OperatorChoice;
 use hdl_gen::verify::random_rays;
 use rtl_model::float::Rounding;
 use rtl_model::maps::Pyramid;
@@ -154,11 +154,7 @@ fn operator(
     let latency = arguments
         .latency
         .unwrap_or(OperatorLatencies::PAPER.of_operator(kind));
-    let choice = OperatorChoice {
-        kind,
-        format,
-        rounding: arguments.rounding,
-    };
+    let choice = OperatorConfiguration::new(kind, format, arguments.rounding);
     Ok(package_operator(
         choice,
         latency,

@@ -7,7 +7,7 @@ use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::emit::write_design;
 use hdl_gen::fault::plant;
 use hdl_gen::netlist::Module;
-use hdl_gen::operators::{FloatOperator, float_operator, stream_unit};
+use hdl_gen::operators::{FloatOperator, OperatorConfiguration, stream_unit};
 use hdl_gen::units::{UnitConfiguration, build_step_unit};
 use hdl_gen::vectors::{Role, idle_step_results, step_vectors};
 use hdl_gen::verify::{FoundSimulator, OperandSets, StreamRun, VectorSource, random_rays};
@@ -137,7 +137,7 @@ fn operator(
     let mut idle_results = Vec::new();
     operator.golden_results(format, rounding, &vec![0; sets.width()], &mut idle_results);
     Ok(Subject {
-        unit: stream_unit(&float_operator(operator, format, rounding, latency)),
+        unit: stream_unit(&OperatorConfiguration::new(operator, format, rounding).build(latency)),
         format,
         count: sets.count(),
         exhaustive: sets.is_exhaustive(),
