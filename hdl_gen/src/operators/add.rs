@@ -1,11 +1,14 @@
 //! Addition and subtraction.
 
-use rtl_model::float::{FloatFormat, Rounding};
+use rtl_model::float::Rounding;
 
-use super::round::{Tail, Unrounded, exponent_constant, exponent_width, needs_tail, round};
+use super::OperatorConfiguration;
+use super::round::{
+    Answer, Small, Tail, Unrounded, exponent_constant, exponent_width, needs_tail, round,
+};
 use super::shift::{leading_zeros, shift_right};
 use super::unpack::{fields, is_special, is_zero, magnitude};
-use crate::netlist::{Builder, Wire};
+use crate::netlist::Builder;
 
 /// Bits below the smaller significand that are kept exactly when it is aligned: guard and round.
 /// One bit of cancellation moves the round bit into the guard's place; after more than one the
@@ -15,10 +18,12 @@ const ALIGNED_BITS_BELOW: u32 = 2;
 /// `a + b`, or `a - b` where `subtract`: one path, the smaller magnitude aligned to the larger.
 pub(super) fn add(
     builder: &mut Builder,
-    format: FloatFormat,
-    rounding: Rounding,
+    configuration: OperatorConfiguration,
     subtract: bool,
-) -> Wire {
+) -> Answer {
+    let OperatorConfiguration {
+        format, rounding, ..
+    } = configuration;
     let fraction_bits = format.fraction_bits;
     let aligned_bits = 1 + fraction_bits + ALIGNED_BITS_BELOW;
     builder.localparam(
@@ -145,7 +150,7 @@ pub(super) fn add(
     let fraction_low = sum_bits - 1 - fraction_bits;
     let fraction = builder.slice(normalised_sum, sum_bits - 2, fraction_low);
     builder.name(fraction, "sum_fraction");
-    let tail = needs_tail(rounding).then(|| {
+    let tail = needs_tail(configuration).then(|| {
         let guard = builder.bit(normalised_sum, fraction_low - 1);
         builder.name(guard, "guard_bit");
         let below_guard = builder.slice(normalised_sum, fraction_low - 2, 0);
@@ -190,8 +195,7 @@ pub(super) fn add(
 
     round(
         builder,
-        format,
-        rounding,
+        configuration,
         &Unrounded {
             sign,
             exponent,
@@ -202,6 +206,9 @@ pub(super) fn add(
             is_nan: Some(is_nan),
             is_infinity: Some(is_special),
             is_zero: Some(is_zero),
+            is_invalid: None,
+            divides_by_zero: None,
+            small: Small::Normalised,
         },
     )
 }

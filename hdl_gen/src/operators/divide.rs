@@ -1,13 +1,17 @@
 //! Division.
 
-use rtl_model::float::{FloatFormat, Rounding};
+use rtl_model::float::{Policy, Rounding};
 
-use super::round::{Tail, Unrounded, exponent_constant, exponent_width, round};
+use super::OperatorConfiguration;
+use super::round::{Answer, Small, Tail, Unrounded, exponent_constant, exponent_width, round};
 use super::unpack::{classify, fields};
 use crate::netlist::{Builder, Wire};
 
 /// `a / b`: non-restoring digit recurrence in radix 2, one row of one adder a quotient bit.
-pub(super) fn divide(builder: &mut Builder, format: FloatFormat, rounding: Rounding) -> Wire {
+pub(super) fn divide(builder: &mut Builder, configuration: OperatorConfiguration) -> Answer {
+    let OperatorConfiguration {
+        format, rounding, ..
+    } = configuration;
     let fraction_bits = format.fraction_bits;
     let bias = i64::from(format.exponent_bias());
     let largest_field = i64::try_from(format.exponent_all_ones() - 1).expect("11 bits at most");
@@ -35,8 +39,8 @@ pub(super) fn divide(builder: &mut Builder, format: FloatFormat, rounding: Round
     let b = fields(builder, format, b_i, "b");
 
     builder.section("special cases");
-    let a_is = classify(builder, &a, "a");
-    let b_is = classify(builder, &b, "b");
+    let a_is = classify(builder, Policy::Flush, &a, "a");
+    let b_is = classify(builder, Policy::Flush, &b, "b");
     let sign = builder.xor(a.sign, b.sign);
     builder.name(sign, "quotient_sign");
     let is_zero = builder.or(a_is.is_zero, b_is.is_infinity);
@@ -90,8 +94,7 @@ pub(super) fn divide(builder: &mut Builder, format: FloatFormat, rounding: Round
 
     round(
         builder,
-        format,
-        rounding,
+        configuration,
         &Unrounded {
             sign,
             exponent,
@@ -102,6 +105,9 @@ pub(super) fn divide(builder: &mut Builder, format: FloatFormat, rounding: Round
             is_nan: Some(is_nan),
             is_infinity: Some(is_infinity),
             is_zero: Some(is_zero),
+            is_invalid: None,
+            divides_by_zero: None,
+            small: Small::Normalised,
         },
     )
 }

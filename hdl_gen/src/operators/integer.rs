@@ -1,8 +1,11 @@
 //! Between floats and integers, and rounding a float to one.
 
-use rtl_model::float::{FloatFormat, Rounding};
+use rtl_model::float::{FloatFormat, Policy, Rounding};
 
-use super::round::{Tail, Unrounded, exponent_constant, exponent_width, needs_tail, round};
+use super::OperatorConfiguration;
+use super::round::{
+    Answer, Small, Tail, Unrounded, exponent_constant, exponent_width, needs_tail, round,
+};
 use super::shift::{leading_zeros, shift_right};
 use super::unpack::{classify, fields, is_special, is_zero, magnitude};
 use crate::netlist::{Builder, Wire};
@@ -10,11 +13,11 @@ use crate::netlist::{Builder, Wire};
 /// `value * 2^exponent`, both two's complement: leading zeros, one shift, the rounder.
 pub(super) fn from_integer(
     builder: &mut Builder,
-    format: FloatFormat,
-    rounding: Rounding,
+    configuration: OperatorConfiguration,
     value_bits: u32,
     exponent_bits: u32,
-) -> Wire {
+) -> Answer {
+    let format = configuration.format;
     let fraction_bits = format.fraction_bits;
     let count_bits = u32::BITS - (value_bits - 1).leading_zeros();
     // The count of leading zeros may be as large as its bits allow where the value is zero, but
@@ -61,7 +64,7 @@ pub(super) fn from_integer(
         builder.concat(&[normalised, zeros])
     };
     builder.name(fraction, "value_fraction");
-    let tail = (needs_tail(rounding) && below_bits > fraction_bits).then(|| {
+    let tail = (needs_tail(configuration) && below_bits > fraction_bits).then(|| {
         let guard_place = below_bits - fraction_bits - 1;
         let guard = builder.bit(normalised, guard_place);
         builder.name(guard, "guard_bit");
@@ -87,8 +90,7 @@ pub(super) fn from_integer(
 
     round(
         builder,
-        format,
-        rounding,
+        configuration,
         &Unrounded {
             sign,
             exponent,
@@ -99,6 +101,9 @@ pub(super) fn from_integer(
             is_nan: None,
             is_infinity: None,
             is_zero: Some(is_zero),
+            is_invalid: None,
+            divides_by_zero: None,
+            small: Small::Normalised,
         },
     )
 }
@@ -133,7 +138,7 @@ pub(super) fn to_integer(
 
     builder.section("unpack");
     let a = fields(builder, format, a_i, "a");
-    let a_is = classify(builder, &a, "a");
+    let a_is = classify(builder, Policy::Flush, &a, "a");
     let hidden = builder.constant(1, 1);
     let padding = word_bits - fraction_bits - 1;
     let significand = if padding > 0 {

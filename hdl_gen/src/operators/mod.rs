@@ -14,11 +14,13 @@
 mod add;
 mod compare;
 mod configuration;
+mod denormalise;
 mod divide;
 mod golden;
 mod height;
 mod integer;
 mod multiply;
+mod pack;
 mod round;
 mod shift;
 mod stream;
@@ -251,65 +253,60 @@ impl FloatOperator {
 /// Ports and logic.
 fn build(builder: &mut Builder, configuration: OperatorConfiguration) {
     let OperatorConfiguration {
-        operator: kind,
+        operator,
         format,
         rounding,
         ..
     } = configuration;
-    let (result, meaning) = match kind {
-        FloatOperator::Add => (
-            add::add(builder, format, rounding, false),
-            Meaning::Float(format),
-        ),
-        FloatOperator::Subtract => (
-            add::add(builder, format, rounding, true),
-            Meaning::Float(format),
-        ),
-        FloatOperator::Multiply => (
-            multiply::multiply(builder, format, rounding),
-            Meaning::Float(format),
-        ),
-        FloatOperator::Divide => (
-            divide::divide(builder, format, rounding),
-            Meaning::Float(format),
-        ),
+    let float = |answer| (answer, Meaning::Float(format));
+    let exact = |result| round::Answer {
+        result,
+        flags: None,
+    };
+    let (answer, meaning) = match operator {
+        FloatOperator::Add => float(add::add(builder, configuration, false)),
+        FloatOperator::Subtract => float(add::add(builder, configuration, true)),
+        FloatOperator::Multiply => float(multiply::multiply(builder, configuration)),
+        FloatOperator::Divide => float(divide::divide(builder, configuration)),
         FloatOperator::Compare => {
             compare::compare(builder, format);
             mark_float_inputs(builder, format);
             return;
         }
         FloatOperator::LessThan => (
-            compare::less(builder, format, compare::Order::LessThan),
+            exact(compare::less(builder, format, compare::Order::LessThan)),
             Meaning::Bits,
         ),
         FloatOperator::LessEqual => (
-            compare::less(builder, format, compare::Order::LessEqual),
+            exact(compare::less(builder, format, compare::Order::LessEqual)),
             Meaning::Bits,
         ),
         FloatOperator::FromInteger {
             value_bits,
             exponent_bits,
-        } => (
-            integer::from_integer(builder, format, rounding, value_bits, exponent_bits),
-            Meaning::Float(format),
-        ),
+        } => float(integer::from_integer(
+            builder,
+            configuration,
+            value_bits,
+            exponent_bits,
+        )),
         FloatOperator::ToInteger { bits } => (
-            integer::to_integer(builder, format, rounding, bits),
+            exact(integer::to_integer(builder, format, rounding, bits)),
             Meaning::Signed,
         ),
-        FloatOperator::Floor => (integer::floor(builder, format), Meaning::Float(format)),
-        FloatOperator::UlpsUp { ulps } => (
-            height::ulps_up(builder, format, ulps),
-            Meaning::Float(format),
-        ),
-        FloatOperator::ExactBelow => (height::exact_below(builder, format), Meaning::Float(format)),
+        FloatOperator::Floor => float(exact(integer::floor(builder, format))),
+        FloatOperator::UlpsUp { ulps } => float(exact(height::ulps_up(builder, format, ulps))),
+        FloatOperator::ExactBelow => float(exact(height::exact_below(builder, format))),
         FloatOperator::DepthFromHeight { bits } => {
-            (height::depth(builder, format, bits), Meaning::Float(format))
+            float(exact(height::depth(builder, format, bits)))
         }
     };
-    builder.name(result, "result");
-    builder.mean(result, meaning);
-    builder.output("result_o", result);
+    builder.name(answer.result, "result");
+    builder.mean(answer.result, meaning);
+    builder.output("result_o", answer.result);
+    if let Some(flags) = answer.flags {
+        builder.output("flags_o", flags);
+    }
     mark_float_inputs(builder, format);
 }
 

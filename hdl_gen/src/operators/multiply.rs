@@ -1,13 +1,22 @@
 //! Multiplication.
 
-use rtl_model::float::{FloatFormat, Rounding};
+use rtl_model::float::Policy;
 
-use super::round::{Tail, Unrounded, exponent_constant, exponent_width, needs_tail, round};
-use super::unpack::{classify, fields};
-use crate::netlist::{Builder, Wire};
+use super::OperatorConfiguration;
+use super::round::{
+    Answer, Small, Tail, Unrounded, exponent_constant, exponent_width, gathered, needs_tail, round,
+};
+use super::unpack::{Class, classify, fields, is_signalling, normalise};
+use crate::netlist::Builder;
 
 /// `a * b`: the full product of the significands, normalised by at most one place.
-pub(super) fn multiply(builder: &mut Builder, format: FloatFormat, rounding: Rounding) -> Wire {
+pub(super) fn multiply(builder: &mut Builder, configuration: OperatorConfiguration) -> Answer {
+    let OperatorConfiguration {
+        format,
+        policy,
+        has_flags,
+        ..
+    } = configuration;
     let fraction_bits = format.fraction_bits;
     let significand_bits = fraction_bits + 1;
     let product_bits = 2 * significand_bits;
@@ -18,7 +27,11 @@ pub(super) fn multiply(builder: &mut Builder, format: FloatFormat, rounding: Rou
     );
     let bias = i64::from(format.exponent_bias());
     let largest_field = i64::try_from(format.exponent_all_ones() - 1).expect("11 bits at most");
-    let exponent_range = 2 - bias..=2 * largest_field - bias + 1;
+    let smallest_exponent = match policy {
+        Policy::Flush => 1,
+        Policy::Full => 1 - i64::from(fraction_bits),
+    };
+    let exponent_range = 2 * smallest_exponent - bias..=2 * largest_field - bias + 1;
     let exponent_word_bits = exponent_width(format, &exponent_range);
     builder.localparam(
         "EXPONENT_BITS",
@@ -32,15 +45,9 @@ pub(super) fn multiply(builder: &mut Builder, format: FloatFormat, rounding: Rou
     builder.section("unpack");
     let a = fields(builder, format, a_i, "a");
     let b = fields(builder, format, b_i, "b");
-    let one = builder.constant(1, 1);
-    let a_significand = builder.concat(&[one, a.fraction]);
-    builder.name(a_significand, "a_significand");
-    let b_significand = builder.concat(&[one, b.fraction]);
-    builder.name(b_significand, "b_significand");
-
     builder.section("special cases");
-    let a_is = classify(builder, &a, "a");
-    let b_is = classify(builder, &b, "b");
+    let a_is = classify(builder, policy, &a, "a");
+    let b_is = classify(builder, policy, &b, "b");
     let sign = builder.xor(a.sign, b.sign);
     builder.name(sign, "product_sign");
     let is_zero = builder.or(a_is.is_zero, b_is.is_zero);
@@ -53,13 +60,40 @@ pub(super) fn multiply(builder: &mut Builder, format: FloatFormat, rounding: Rou
     builder.name(zero_by_infinity, "zero_by_infinity");
     let is_nan = builder.or(any_nan, zero_by_infinity);
     builder.name(is_nan, "is_nan");
+    let is_invalid = has_flags.then(|| {
+        let a_is_signalling = is_signalling(builder, &a, a_is.is_nan, "a");
+        let b_is_signalling = is_signalling(builder, &b, b_is.is_nan, "b");
+        let any_is_signalling = builder.or(a_is_signalling, b_is_signalling);
+        builder.or(zero_by_infinity, any_is_signalling)
+    });
+
+    let (a, b) = match policy {
+        Policy::Flush => {
+            let a_wide = builder.zero_extend(a.exponent, exponent_word_bits);
+            let b_wide = builder.zero_extend(b.exponent, exponent_word_bits);
+            ((a_wide, a.fraction), (b_wide, b.fraction))
+        }
+        Policy::Full => {
+            builder.section("normalise subnormal operands");
+            let mut normalised = |operand, class: &Class, name| {
+                let exponent_nonzero = class.exponent_nonzero;
+                let normalised =
+                    normalise(builder, operand, exponent_nonzero, exponent_word_bits, name);
+                (normalised.exponent, normalised.fraction)
+            };
+            (normalised(&a, &a_is, "a"), normalised(&b, &b_is, "b"))
+        }
+    };
 
     builder.section("multiply the significands, add the exponents");
+    let one = builder.constant(1, 1);
+    let a_significand = builder.concat(&[one, a.1]);
+    builder.name(a_significand, "multiplicand");
+    let b_significand = builder.concat(&[one, b.1]);
+    builder.name(b_significand, "multiplier");
     let product = builder.multiply(a_significand, b_significand);
     builder.name(product, "significand_product");
-    let a_wide = builder.zero_extend(a.exponent, exponent_word_bits);
-    let b_wide = builder.zero_extend(b.exponent, exponent_word_bits);
-    let exponent = builder.add(a_wide, b_wide);
+    let exponent = builder.add(a.0, b.0);
     builder.name(exponent, "exponent_sum");
 
     builder.section("normalise: the product is below 4");
@@ -73,18 +107,17 @@ pub(super) fn multiply(builder: &mut Builder, format: FloatFormat, rounding: Rou
     let adjustment_at_one = exponent_constant(builder, -bias, exponent_word_bits);
     let adjustment = builder.mux(reaches_two, adjustment_at_two, adjustment_at_one);
     builder.name(adjustment, "exponent_adjustment");
-    let tail = needs_tail(rounding).then(|| {
+    let tail = needs_tail(configuration).then(|| {
         let guard_at_two = builder.bit(product, fraction_bits);
         let guard_at_one = builder.bit(product, fraction_bits - 1);
         let guard = builder.mux(reaches_two, guard_at_two, guard_at_one);
         builder.name(guard, "guard_bit");
         // The guard bit of a product below two is below the guard bit of one that is not.
         let below_either = builder.slice(product, fraction_bits - 2, 0);
-        let below_either = builder.any_bit(below_either);
-        builder.name(below_either, "product_below_guard");
+        let below_either = gathered(builder, below_either, "product_below_guard");
         let below_at_two = builder.and(reaches_two, guard_at_one);
-        let sticky = builder.or(below_either, below_at_two);
-        builder.name(sticky, "sticky_bit");
+        let sticky = builder.concat(&[below_at_two, below_either]);
+        builder.name(sticky, "sticky_bits");
         Tail {
             guard,
             sticky: Some(sticky),
@@ -93,8 +126,7 @@ pub(super) fn multiply(builder: &mut Builder, format: FloatFormat, rounding: Rou
 
     round(
         builder,
-        format,
-        rounding,
+        configuration,
         &Unrounded {
             sign,
             exponent,
@@ -105,6 +137,9 @@ pub(super) fn multiply(builder: &mut Builder, format: FloatFormat, rounding: Rou
             is_nan: Some(is_nan),
             is_infinity: Some(is_infinity),
             is_zero: Some(is_zero),
+            is_invalid,
+            divides_by_zero: None,
+            small: Small::Normalised,
         },
     )
 }

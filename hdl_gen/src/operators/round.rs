@@ -1,21 +1,44 @@
-//! The one rounder: from a sign, an exponent and a normalised significand to the float.
+//! The one rounder: from a sign, an exponent and a normalised significand to the float and its flags.
 
 use std::ops::RangeInclusive;
 
-use rtl_model::float::{FloatFormat, Rounding};
+use rtl_model::float::{FloatFormat, Policy, Rounding};
 
+use super::OperatorConfiguration;
+use super::denormalise::denormalise;
+use super::pack::pack;
 use crate::netlist::{Builder, Wire};
 
 /// The bits of an exact result below the last fraction bit.
+#[derive(Clone, Copy)]
 pub(super) struct Tail {
     /// The first of them: half a unit in the last place.
     pub guard: Wire,
-    /// Is any further one set? None where that changes nothing: rounding to nearest a result that
-    /// is never a tie, or a directed rounding whose guard bit already says that it is inexact.
+    /// Is any further one set? A word of any width, of which any bit says so: the adder of the
+    /// rounding gathers a few of them faster than look-up tables do. None where that changes
+    /// nothing: rounding to nearest a result that is never a tie, or a directed rounding whose
+    /// guard bit already says that it is inexact. With flags or subnormal results a result that is
+    /// never a tie needs it, too.
     pub sticky: Option<Wire>,
 }
 
+/// How a result below the smallest normal number comes to the rounder.
+#[derive(Clone, Copy)]
+pub(super) enum Small {
+    /// Normalised, its exponent below 1: the rounder flushes it, or denormalises it where subnormal
+    /// numbers are full.
+    Normalised,
+    /// As it is encoded: with exponent 0, and a fraction without a one before the point. Only where
+    /// subnormal numbers are full.
+    Encoded {
+        /// Is it, rounded with no lower end to the exponent, still below the smallest normal
+        /// number, and inexact? None where such results are exact. Read only with flags.
+        underflow: Option<Wire>,
+    },
+}
+
 /// A result before it is rounded and packed.
+#[derive(Clone)]
 pub(super) struct Unrounded {
     /// The result's sign, of a zero too.
     pub sign: Wire,
@@ -28,19 +51,34 @@ pub(super) struct Unrounded {
     pub exponent_range: RangeInclusive<i64>,
     /// The fraction of the normalised significand.
     pub fraction: Wire,
-    /// What is below it; none where the result is exact or the rounding does not look.
+    /// What is below it; none where the result is exact or nobody looks ([`needs_tail`]).
     pub tail: Option<Tail>,
     /// The result is the NaN, whatever else holds.
     pub is_nan: Option<Wire>,
-    /// Else it is an infinity.
+    /// Else it is an infinity, exactly.
     pub is_infinity: Option<Wire>,
-    /// Else it is a zero.
+    /// Else it is a zero, exactly.
     pub is_zero: Option<Wire>,
+    /// The flag: an operand is a signalling NaN, or no result makes sense. Read only with flags.
+    pub is_invalid: Option<Wire>,
+    /// The flag: an infinity of finite operands is exact. Read only with flags.
+    pub divides_by_zero: Option<Wire>,
+    /// What an exponent below 1 stands for.
+    pub small: Small,
 }
 
-/// Does this rounding look below the last fraction bit?
-pub(super) fn needs_tail(rounding: Rounding) -> bool {
-    rounding != Rounding::TowardZero
+/// An operator's answer.
+#[derive(Clone, Copy)]
+pub(super) struct Answer {
+    /// The float.
+    pub result: Wire,
+    /// The five flags, where the operator has them.
+    pub flags: Option<Wire>,
+}
+
+/// Does anybody look below the last fraction bit: the rounding, or the flag that tells inexact?
+pub(super) fn needs_tail(configuration: OperatorConfiguration) -> bool {
+    configuration.rounding != Rounding::TowardZero || configuration.has_flags
 }
 
 /// Bits of the exponent word that holds the whole range and the carry of the rounding: two's
@@ -61,165 +99,94 @@ pub(super) fn exponent_constant(builder: &mut Builder, value: i64, width: u32) -
     builder.constant(value.cast_unsigned() & mask, width)
 }
 
+/// One bit for every four of a word, set where one of theirs is: what one level of look-up tables
+/// makes of a sticky word, for the rounding's adder to gather the rest.
+pub(super) fn gathered(builder: &mut Builder, word: Wire, name: &str) -> Wire {
+    let width = builder.width(word);
+    let groups: Vec<Wire> = (0..width)
+        .step_by(4)
+        .map(|low| {
+            let group = builder.slice(word, (low + 3).min(width - 1), low);
+            builder.any_bit(group)
+        })
+        .rev()
+        .collect();
+    let groups = builder.concat(&groups);
+    builder.name(groups, name)
+}
+
 /// Rounds, packs and selects the special results: the last sections of an operator.
 pub(super) fn round(
     builder: &mut Builder,
-    format: FloatFormat,
-    rounding: Rounding,
+    configuration: OperatorConfiguration,
     exact: &Unrounded,
-) -> Wire {
+) -> Answer {
+    let reaches_below = *exact.exponent_range.start() < 1;
+    let is_normalised = matches!(exact.small, Small::Normalised);
+    let denormalised;
+    let exact = if configuration.policy == Policy::Full && reaches_below && is_normalised {
+        denormalised = denormalise(builder, configuration, exact);
+        &denormalised
+    } else {
+        exact
+    };
     builder.section("round: one addition on exponent and fraction side by side");
-    let rounded = increment(builder, format, rounding, exact);
-    pack(builder, format, rounding, exact, rounded)
+    let rounded = increment(builder, configuration.rounding, exact);
+    pack(builder, configuration, exact, rounded)
 }
 
 /// Exponent and fraction, adjusted and rounded in one addition: a fraction of all ones rounded up
 /// carries into the exponent and leaves a fraction of zeros, which is the right float.
-fn increment(
-    builder: &mut Builder,
-    format: FloatFormat,
-    rounding: Rounding,
-    exact: &Unrounded,
-) -> Wire {
-    let round_up = exact
-        .tail
-        .as_ref()
-        .and_then(|tail| round_up(builder, rounding, exact, tail));
-    let rounded = if let Some(round_up) = round_up {
-        let packed = builder.concat(&[exact.exponent, exact.fraction]);
-        let below_exponent = builder.zero_extend(round_up, format.fraction_bits);
-        let increment = builder.concat(&[exact.adjustment, below_exponent]);
-        builder.add(packed, increment)
-    } else {
+///
+/// Whether to round up is found by the same carry chain, below the fraction. A place that holds a
+/// bit and a one carries if the bit is set or a carry comes in; the guard's place, with a zero
+/// beside it, carries if it is set and a carry comes in. So to nearest the chain begins with the
+/// last bit, gathers the sticky bits, and passes the guard if there was any: above one half, or at
+/// one half with an odd last bit. Away from zero it gathers the guard with the rest.
+fn increment(builder: &mut Builder, rounding: Rounding, exact: &Unrounded) -> Wire {
+    let fraction_bits = builder.width(exact.fraction);
+    let tail = exact.tail.filter(|_| rounding != Rounding::TowardZero);
+    let Some(tail) = tail else {
         let exponent = builder.add(exact.exponent, exact.adjustment);
         builder.name(exponent, "result_exponent");
-        builder.concat(&[exponent, exact.fraction])
+        let rounded = builder.concat(&[exponent, exact.fraction]);
+        return builder.name(rounded, "rounded");
     };
-    builder.name(rounded, "rounded")
-}
-
-/// Does the magnitude go to the next larger one? None where it never does.
-fn round_up(
-    builder: &mut Builder,
-    rounding: Rounding,
-    exact: &Unrounded,
-    tail: &Tail,
-) -> Option<Wire> {
-    let round_up = match rounding {
-        Rounding::TowardZero => return None,
+    let mut below = vec![tail.guard];
+    below.extend(tail.sticky);
+    let increment = match rounding {
         Rounding::NearestEven => {
-            // Above one half, or at one half with an odd last bit.
             if let Some(sticky) = tail.sticky {
-                let last_bit = builder.bit(exact.fraction, 0);
-                let odd_or_above = builder.or(sticky, last_bit);
-                builder.name(odd_or_above, "odd_or_above");
-                builder.and(tail.guard, odd_or_above)
+                below.push(builder.bit(exact.fraction, 0));
+                let zero = builder.constant(0, 1);
+                let gathering = 1 + builder.width(sticky);
+                let ones = builder.constant(u64::MAX >> (64 - gathering), gathering);
+                builder.concat(&[zero, ones])
             } else {
-                tail.guard
+                builder.constant(1, 1)
             }
         }
-        Rounding::Up | Rounding::Down => {
-            let inexact = match tail.sticky {
-                Some(sticky) => builder.or(tail.guard, sticky),
-                None => tail.guard,
-            };
+        _ => {
             let away = match rounding {
                 Rounding::Up => builder.not(exact.sign),
                 _ => exact.sign,
             };
-            builder.and(inexact, away)
+            builder.name(away, "away_from_zero");
+            let gathering = 1 + tail.sticky.map_or(0, |sticky| builder.width(sticky));
+            builder.sign_extend(away, gathering)
         }
     };
-    Some(builder.name(round_up, "round_up"))
-}
-
-/// Overflow and underflow by the rounded exponent, then the special results.
-fn pack(
-    builder: &mut Builder,
-    format: FloatFormat,
-    rounding: Rounding,
-    exact: &Unrounded,
-    rounded: Wire,
-) -> Wire {
-    let (exponent_bits, fraction_bits) = (format.exponent_bits, format.fraction_bits);
-    let magnitude_bits = exponent_bits + fraction_bits;
-    let top = builder.width(rounded) - 1;
-    let all_ones = i64::try_from(format.exponent_all_ones()).expect("11 exponent bits at most");
-    let is_signed = *exact.exponent_range.start() < 0;
-    let negative = is_signed.then(|| builder.bit(rounded, top));
-
-    builder.section("pack: overflow, underflow, special results");
-    let mut magnitude = builder.slice(rounded, magnitude_bits - 1, 0);
-    if exact.exponent_range.end() + 1 >= all_ones {
-        let field = builder.slice(rounded, magnitude_bits - 1, fraction_bits);
-        let mut overflow = builder.all_bits(field);
-        let above = top + 1 - magnitude_bits - u32::from(is_signed);
-        if above > 0 {
-            let beyond = builder.slice(rounded, magnitude_bits + above - 1, magnitude_bits);
-            let beyond = builder.any_bit(beyond);
-            overflow = builder.or(overflow, beyond);
-        }
-        if let Some(negative) = negative {
-            let not_negative = builder.not(negative);
-            overflow = builder.and(overflow, not_negative);
-        }
-        builder.name(overflow, "overflow");
-        let pattern = overflow_pattern(builder, format, rounding, exact.sign);
-        magnitude = builder.mux(overflow, pattern, magnitude);
-        builder.name(magnitude, "bounded_magnitude");
-    }
-
-    let mut zero_causes = Vec::from_iter(exact.is_zero);
-    if *exact.exponent_range.start() < 1 {
-        // Rounded first, then flushed: the exponent tested is the one after the rounding.
-        let exponent = builder.slice(rounded, top - u32::from(is_signed), fraction_bits);
-        let exponent_nonzero = builder.any_bit(exponent);
-        let mut underflow = builder.not(exponent_nonzero);
-        if let Some(negative) = negative {
-            underflow = builder.or(negative, underflow);
-        }
-        zero_causes.push(builder.name(underflow, "underflow"));
-    }
-    if let Some(becomes_zero) = zero_causes.into_iter().reduce(|a, b| builder.or(a, b)) {
-        builder.name(becomes_zero, "becomes_zero");
-        let zero = builder.constant(0, magnitude_bits);
-        magnitude = builder.mux(becomes_zero, zero, magnitude);
-        builder.name(magnitude, "flushed_magnitude");
-    }
-    if let Some(is_infinity) = exact.is_infinity {
-        let infinity = builder.constant(format.infinity(), magnitude_bits);
-        magnitude = builder.mux(is_infinity, infinity, magnitude);
-        builder.name(magnitude, "number_magnitude");
-    }
-    let mut sign = exact.sign;
-    if let Some(is_nan) = exact.is_nan {
-        let quiet_nan = builder.constant(format.quiet_nan(), magnitude_bits);
-        magnitude = builder.mux(is_nan, quiet_nan, magnitude);
-        let is_number = builder.not(is_nan);
-        sign = builder.and(sign, is_number);
-        builder.name(sign, "result_sign");
-    }
-    builder.name(magnitude, "result_magnitude");
-    builder.concat(&[sign, magnitude])
-}
-
-/// What a finite result beyond the largest finite number becomes: infinity, or that number where
-/// the rounding is toward it (IEEE 754-2019, section 7.4).
-fn overflow_pattern(
-    builder: &mut Builder,
-    format: FloatFormat,
-    rounding: Rounding,
-    sign: Wire,
-) -> Wire {
-    let magnitude_bits = format.width() - 1;
-    let infinity = builder.constant(format.infinity(), magnitude_bits);
-    if rounding == Rounding::NearestEven {
-        return infinity;
-    }
-    let max_finite = builder.constant(format.max_finite(), magnitude_bits);
-    match rounding {
-        Rounding::Up => builder.mux(sign, max_finite, infinity),
-        Rounding::Down => builder.mux(sign, infinity, max_finite),
-        _ => max_finite,
-    }
+    let zeros = builder.constant(0, fraction_bits);
+    let increment = builder.concat(&[exact.adjustment, zeros, increment]);
+    builder.name(increment, "rounding_increment");
+    let mut unrounded = vec![exact.exponent, exact.fraction];
+    unrounded.extend(below);
+    let unrounded = builder.concat(&unrounded);
+    builder.name(unrounded, "unrounded");
+    let sum = builder.add(unrounded, increment);
+    builder.name(sum, "rounding_sum");
+    let bits = builder.width(sum);
+    let kept = builder.width(exact.exponent) + fraction_bits;
+    let rounded = builder.slice(sum, bits - 1, bits - kept);
+    builder.name(rounded, "rounded")
 }

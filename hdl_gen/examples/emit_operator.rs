@@ -1,0 +1,48 @@
+//! Emits one operator into a folder.
+//!
+//! `emit_operator FOLDER OPERATOR FORMAT ROUNDING LATENCY [full] [flags] [logic]`, such as
+//! `emit_operator /tmp/add add e7f16 rne 2`.
+
+use hdl_gen::emit::write_design;
+use hdl_gen::operators::{FloatOperator, Multiplier, OperatorConfiguration};
+use rtl_model::float::{FloatFormat, Policy, Rounding};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [folder, operator, format, rounding, latency, options @ ..] = &arguments[..] else {
+        return Err(
+            "usage: emit_operator FOLDER OPERATOR FORMAT ROUNDING LATENCY \
+                    [full] [flags] [logic]"
+                .into(),
+        );
+    };
+    let operator = match operator.as_str() {
+        "add" => FloatOperator::Add,
+        "sub" => FloatOperator::Subtract,
+        "mul" => FloatOperator::Multiply,
+        "div" => FloatOperator::Divide,
+        other => return Err(format!("unknown operator `{other}`: add, sub, mul or div").into()),
+    };
+    let widths = format
+        .strip_prefix('e')
+        .and_then(|text| text.split_once('f'));
+    let (exponent_bits, fraction_bits) = widths.ok_or("a format is e<bits>f<bits>")?;
+    let format = FloatFormat::new(exponent_bits.parse()?, fraction_bits.parse()?);
+    let rounding: Rounding = rounding.parse()?;
+    let mut configuration = OperatorConfiguration::new(operator, format, rounding);
+    for option in options {
+        match option.as_str() {
+            "full" => configuration.policy = Policy::Full,
+            "flags" => configuration.has_flags = true,
+            "logic" => configuration.structure.multiplier = Multiplier::Logic,
+            other => {
+                return Err(format!("unknown option `{other}`: full, flags or logic").into());
+            }
+        }
+    }
+    configuration.check()?;
+    for file in write_design(&configuration.build(latency.parse()?), folder.as_ref())? {
+        println!("{}", file.display());
+    }
+    Ok(())
+}
