@@ -3,12 +3,14 @@
 //!
 //! Start with [`arith`], the operators a unit's hardware has; [`units`] holds the datapaths written
 //! once over them; [`readings`] evaluates those datapaths in a number format; [`float`] is the
-//! integer-only float arithmetic behind the golden values; [`exact`] is the independent judge.
+//! integer-only float arithmetic behind the golden values, [`fixed`] the fixed-point one; [`exact`]
+//! is the independent judge.
 
 pub mod arith;
 pub mod calibration;
 pub mod camera;
 pub mod exact;
+pub mod fixed;
 pub mod float;
 pub mod frame;
 pub mod machine;
