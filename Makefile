@@ -2,7 +2,7 @@
 .DEFAULT_GOAL := help
 .PHONY: help demo test vectors bench tools doc lint clean
 
-# The project's own Verilator, where tools/install had to make one, goes before the system's.
+# The project's own tools go before the system's.
 ENVIRONMENT := . tools/environment;
 STEPWELL := cargo run --release --locked --quiet --package stepwell --
 
@@ -23,7 +23,7 @@ vectors: tools ## rewrite the committed vectors under vectors/; git diff shows w
 bench: tools ## speed of the golden model and of the harness, as ratios within one run
 	$(ENVIRONMENT) cargo bench --workspace --locked
 
-tools: ## install the C++ compiler, Verilator, Icarus and Yosys where they are missing
+tools: ## install the compiler, simulators and synthesis tools where they are missing
 	@tools/install
 
 lint: tools ## formatting, clippy and documentation, every warning an error; the shell scripts
