@@ -2,7 +2,9 @@
 //! built with it.
 
 use super::{FloatOperator, OperatorConfiguration};
-use rtl_model::float::{FloatFormat, Rounding};
+use rtl_model::float::{
+    Answer, Comparison, Flags, FloatArithmetic, FloatFormat, IntegerFormat, Relation, Rounding,
+};
 
 impl FloatOperator {
     /// Widths of its operands, in the order of its input ports.
@@ -30,8 +32,8 @@ impl FloatOperator {
         }
     }
 
-    /// Appends the golden results to `results`, in the order of its output ports. Operands are the
-    /// bits of its input ports.
+    /// Appends the golden results to `results`, in the order of its output ports, of an operator
+    /// with the hardware's default policy and no flags. Operands are the bits of its input ports.
     pub fn golden_results(
         self,
         format: FloatFormat,
@@ -39,52 +41,86 @@ impl FloatOperator {
         operands: &[u64],
         results: &mut Vec<u64>,
     ) {
+        OperatorConfiguration::new(self, format, rounding).golden_results(operands, results);
+    }
+
+    /// Appends the results, and answers with the flags.
+    fn evaluate(
+        self,
+        arithmetic: FloatArithmetic,
+        operands: &[u64],
+        results: &mut Vec<u64>,
+    ) -> Flags {
         let a = operands[0];
         let b = operands.get(1).copied().unwrap_or(0);
-        let result = match self {
-            FloatOperator::Add => format.add(rounding, a, b),
-            FloatOperator::Subtract => format.sub(rounding, a, b),
-            FloatOperator::Multiply => format.mul(rounding, a, b),
-            FloatOperator::Divide => format.div(rounding, a, b),
-            FloatOperator::LessThan => format.less_than(a, b).into(),
-            FloatOperator::LessEqual => format.less_equal(a, b).into(),
+        let answer = match self {
+            FloatOperator::Add => arithmetic.add(a, b),
+            FloatOperator::Subtract => arithmetic.sub(a, b),
+            FloatOperator::Multiply => arithmetic.mul(a, b),
+            FloatOperator::Divide => arithmetic.div(a, b),
+            FloatOperator::LessThan => truth(arithmetic.less_than(Comparison::Signalling, a, b)),
+            FloatOperator::LessEqual => truth(arithmetic.less_equal(Comparison::Signalling, a, b)),
             FloatOperator::Compare => {
-                results.push(format.less_than(a, b).into());
-                results.push(format.less_equal(a, b).into());
-                results.push(format.equal(a, b).into());
-                format.compare(a, b).is_none().into()
+                let (order, flags) = arithmetic.compare(Comparison::Quiet, a, b);
+                let relations = [
+                    Relation::LessThan,
+                    Relation::LessEqual,
+                    Relation::Equal,
+                    Relation::Unordered,
+                ];
+                results.extend(relations.map(|relation| u64::from(relation.holds(order))));
+                return flags;
             }
             FloatOperator::FromInteger {
                 value_bits,
                 exponent_bits,
-            } => format.from_integer(
-                rounding,
+            } => arithmetic.from_scaled_integer(
                 sign_extended(a, value_bits),
                 sign_extended(b, exponent_bits),
             ),
             FloatOperator::ToInteger { bits } => {
-                let integer = match format.to_integer(rounding, a) {
-                    Ok(integer) => integer,
-                    Err(problem) => problem.saturated(),
-                };
-                let largest = (1_i64 << (bits - 1)) - 1;
-                integer.clamp(-largest - 1, largest) as u64 & (u64::MAX >> (64 - bits))
+                arithmetic.to_integer_exact(IntegerFormat::signed(bits), a)
             }
-            FloatOperator::Floor => format.floor(a),
-            FloatOperator::UlpsUp { ulps } => format.ulps_up(a, ulps),
-            FloatOperator::ExactBelow => format.exact_below(a),
-            FloatOperator::DepthFromHeight { bits } => format.depth_from_height(a, bits),
+            FloatOperator::Floor => arithmetic.floor(a),
+            FloatOperator::UlpsUp { ulps } => without_flags(arithmetic.ulps_up(a, ulps)),
+            FloatOperator::ExactBelow => without_flags(arithmetic.exact_below(a)),
+            FloatOperator::DepthFromHeight { bits } => {
+                without_flags(arithmetic.depth_from_height(a, bits))
+            }
         };
-        results.push(result);
+        results.push(answer.bits);
+        answer.flags
     }
 }
 
 impl OperatorConfiguration {
-    /// Appends the golden results to `results`, in the order of its output ports. Operands are the
-    /// bits of its input ports.
+    /// Appends the golden results to `results`, in the order of its output ports: `flags_o`, where
+    /// it has that, is the last. Operands are the bits of its input ports.
+    ///
+    /// The comparator's flags are those of quiet comparisons, the flags of `LessThan` and
+    /// `LessEqual` those of signalling ones; a conversion to an integer raises inexact.
     pub fn golden_results(self, operands: &[u64], results: &mut Vec<u64>) {
-        self.operator
-            .golden_results(self.format, self.rounding, operands, results);
+        let arithmetic = self.format.arithmetic(self.policy, self.rounding);
+        let flags = self.operator.evaluate(arithmetic, operands, results);
+        if self.has_flags {
+            results.push(flags.bits().into());
+        }
+    }
+}
+
+/// The answer of a predicate.
+fn truth((holds, flags): (bool, Flags)) -> Answer {
+    Answer {
+        bits: holds.into(),
+        flags,
+    }
+}
+
+/// The answer of an operator that raises no flag.
+fn without_flags(bits: u64) -> Answer {
+    Answer {
+        bits,
+        flags: Flags::NONE,
     }
 }
 

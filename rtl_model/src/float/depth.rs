@@ -2,34 +2,36 @@
 //! place, and the depth of a height sample.
 
 use super::rounder::Unrounded;
-use super::{FloatFormat, Rounding};
+use super::{FloatArithmetic, Rounding};
 
-impl FloatFormat {
+impl FloatArithmetic {
     /// The number `ulps` steps above `a`, which must not be negative: `ulps` added to the pattern,
     /// read as an integer. One adder in hardware: the carry from fraction to exponent is the step
-    /// across a power of two.
+    /// across a power of two. It raises no flag.
     ///
-    /// - A subnormal operand reads as zero first. A sum that is a subnormal pattern is +0.
+    /// - Under the policy `flush` a subnormal operand reads as zero first, and a sum that is a
+    ///   subnormal pattern is +0.
     /// - A sum at or past the pattern of infinity is infinity; infinity stays infinity.
     /// - NaN gives the canonical NaN.
     /// - The sign bit of `a` is not read.
     #[inline]
     pub const fn ulps_up(self, a: u64, ulps: u32) -> u64 {
-        let magnitude = self.flushed_magnitude(a);
-        if magnitude > self.infinity() {
-            return self.quiet_nan();
+        let format = self.format;
+        let magnitude = self.read_magnitude(a);
+        if magnitude > format.infinity() {
+            return format.quiet_nan();
         }
         let sum = magnitude + ulps as u64;
-        if sum >= self.infinity() {
-            self.infinity()
+        if sum >= format.infinity() {
+            format.infinity()
         } else {
-            self.flushed_magnitude(sum)
+            self.read_magnitude(sum)
         }
     }
 
     /// The depth `1 - height / (2^bits - 1)` of an unsigned normalised height, rounded once, toward
-    /// zero: never below the surface. `bits` is 8 or 16 (any divisor of 64 up to 32 works); a
-    /// height above `2^bits - 1` reads as that, depth 0.
+    /// zero whatever this rounding: never below the surface. `bits` is 8 or 16 (any divisor of 64 up
+    /// to 32 works); a height above `2^bits - 1` reads as that, depth 0. It raises no flag.
     ///
     /// Exact at the two ends, and nowhere else: `k / (2^n - 1)` in binary is the n-bit number `k`
     /// repeated for ever. So no divider is needed, only a copy of the bits side by side.
@@ -45,26 +47,26 @@ impl FloatFormat {
             return 0;
         }
         if steps == full {
-            return self.one();
+            return self.format.one();
         }
         // The 64 bits after the binary point. The pattern's period divides 64, so rotating it
         // brings in on the right just the bits that follow. They never end: the result is inexact.
         let repeated = steps * (u64::MAX / full);
         let leading_zeros = repeated.leading_zeros();
-        self.round(
-            Rounding::TowardZero,
-            Unrounded {
+        let truncating = self.format.arithmetic(self.policy, Rounding::TowardZero);
+        truncating
+            .round(Unrounded {
                 negative: false,
                 exponent: -1 - leading_zeros as i32,
                 significand: repeated.rotate_left(leading_zeros) | 1,
-            },
-        )
+            })
+            .bits
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crate::float::FloatFormat;
 
     #[test]
     fn ulps_up_steps_through_the_patterns() {

@@ -54,6 +54,12 @@ impl Flags {
         Flags(self.0 | other.0)
     }
 
+    /// These but for those of `other`.
+    #[inline]
+    pub const fn without(self, other: Flags) -> Flags {
+        Flags(self.0 & !other.0)
+    }
+
     /// Are all of `other` raised?
     #[inline]
     pub const fn contains(self, other: Flags) -> bool {

@@ -1,7 +1,12 @@
 //! What a float is: widths, the special patterns, the rounding directions.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 use std::str::FromStr;
+
+use thiserror::Error;
+
+use super::SUPPORTED_FORMATS;
 
 /// Which representable neighbour an inexact result becomes (IEEE 754-2019, section 4.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -63,7 +68,37 @@ pub struct FloatFormat {
     pub fraction_bits: u32,
 }
 
+/// Why a text names no float format.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum UnknownFloatFormat {
+    /// It is not of the form `eXfY`, nor one of the names in [`SUPPORTED_FORMATS`].
+    #[error(
+        "unknown float format `{text}`: it is eXfY with X exponent and Y fraction bits, such as e7f16"
+    )]
+    Name {
+        /// The text found.
+        text: String,
+    },
+    /// Too few or too many bits.
+    #[error("format `{text}`: {found} {part} bits; {} to {} are supported", range.start(), range.end())]
+    Width {
+        /// The text found.
+        text: String,
+        /// `exponent` or `fraction`.
+        part: &'static str,
+        /// The bits found.
+        found: u64,
+        /// The bits supported.
+        range: RangeInclusive<u32>,
+    },
+}
+
 impl FloatFormat {
+    /// The exponent bits that a format can have.
+    pub const EXPONENT_BITS: RangeInclusive<u32> = 2..=11;
+    /// The fraction bits that a format can have.
+    pub const FRACTION_BITS: RangeInclusive<u32> = 2..=52;
+
     /// The 24-bit float of the traverse unit.
     pub const E7F16: FloatFormat = FloatFormat::new(7, 16);
     /// A format of eight bits, small enough for every operand pair to be tried.
@@ -159,5 +194,46 @@ impl FloatFormat {
 impl fmt::Display for FloatFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "e{}f{}", self.exponent_bits, self.fraction_bits)
+    }
+}
+
+impl FromStr for FloatFormat {
+    type Err = UnknownFloatFormat;
+
+    /// `eXfY`, or a name of [`SUPPORTED_FORMATS`] such as `half`.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let named = SUPPORTED_FORMATS
+            .iter()
+            .find(|supported| supported.alias == Some(text));
+        if let Some(supported) = named {
+            return Ok(supported.format);
+        }
+        let unknown = || UnknownFloatFormat::Name {
+            text: text.to_owned(),
+        };
+        let (exponent, fraction) = text
+            .strip_prefix('e')
+            .and_then(|widths| widths.split_once('f'))
+            .ok_or_else(unknown)?;
+        let width = |digits: &str, part, range: RangeInclusive<u32>| {
+            // The parser of integers would also take a sign.
+            if !digits.bytes().all(|byte| byte.is_ascii_digit()) {
+                return Err(unknown());
+            }
+            let found: u64 = digits.parse().map_err(|_| unknown())?;
+            u32::try_from(found)
+                .ok()
+                .filter(|bits| range.contains(bits))
+                .ok_or_else(|| UnknownFloatFormat::Width {
+                    text: text.to_owned(),
+                    part,
+                    found,
+                    range,
+                })
+        };
+        Ok(FloatFormat::new(
+            width(exponent, "exponent", FloatFormat::EXPONENT_BITS)?,
+            width(fraction, "fraction", FloatFormat::FRACTION_BITS)?,
+        ))
     }
 }

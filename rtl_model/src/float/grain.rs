@@ -1,34 +1,33 @@
 //! How fine a number is: up to where a difference with it stays exact.
 
-use super::FloatFormat;
+use super::FloatArithmetic;
 
-impl FloatFormat {
+impl FloatArithmetic {
     /// The power of two below which every multiple of `a`'s last nonzero significand bit is
     /// representable: that bit's weight times `2^(F+1)`. Infinity for a zero (which a subnormal
-    /// reads as), for infinities and NaN, and where the power is out of range. The sign of `a` is
-    /// not read.
+    /// reads as under the policy `flush`), for infinities and NaN, and where the power is out of
+    /// range. The sign of `a` is not read; no flag is raised.
     ///
     /// In hardware: the exponent, plus one, plus the number of zeros at the fraction's end.
     #[inline]
     pub const fn exact_below(self, a: u64) -> u64 {
-        let magnitude = self.flushed_magnitude(a);
-        if magnitude == 0 || magnitude >= self.infinity() {
-            return self.infinity();
+        let format = self.format;
+        let magnitude = self.read_magnitude(a);
+        if !self.is_nonzero_finite(magnitude) {
+            return format.infinity();
         }
-        let fraction = magnitude & self.fraction_mask();
-        let zeros = (fraction | (1 << self.fraction_bits)).trailing_zeros() as u64;
-        let exponent = (magnitude >> self.fraction_bits) + 1 + zeros;
-        if exponent >= self.exponent_all_ones() {
-            return self.infinity();
+        let (field, significand) = self.as_encoded(magnitude);
+        let exponent = field as u64 + 1 + significand.trailing_zeros() as u64;
+        if exponent >= format.exponent_all_ones() {
+            return format.infinity();
         }
-        exponent << self.fraction_bits
+        exponent << format.fraction_bits
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::float::Rounding;
+    use crate::float::{FloatFormat, Rounding};
 
     const F: FloatFormat = FloatFormat::E7F16;
 

@@ -14,27 +14,40 @@
 //! assert_eq!(format.to_f64(third), 0.333_332_061_767_578_1);
 //! ```
 //!
-//! All of them follow the policy `flush`: a subnormal operand reads as a zero of its sign, and a
-//! result that is below the smallest normal number after rounding becomes a zero of its sign.
-//! `docs/numerics.md` has every corner case in tables.
+//! These follow the policy `flush`: a subnormal operand reads as a zero of its sign, and a result
+//! that is below the smallest normal number after rounding becomes a zero of its sign. The whole
+//! arithmetic, with subnormal numbers as IEEE 754-2019 has them as another policy, with flags, and
+//! with more operators, is [`FloatArithmetic`]: the shorthands above are its operators under
+//! `flush`, without the flags. `docs/numerics.md` has every corner case in tables.
 //!
 //! Each inexact operator works in three steps: take the operands apart, find the exact result (or
 //! enough leading bits of it, and whether anything follows), hand that to the one rounder in
 //! `rounder.rs`. No host float takes part in a result.
 
+mod arithmetic;
 mod conversion;
 mod depth;
 mod flags;
 mod format;
+mod fused;
 mod grain;
+mod integer;
+mod integer_format;
 mod order;
 mod pattern;
 mod policy;
 mod product;
+mod root;
 mod rounder;
+mod shorthand;
 mod sum;
+mod supported;
 
-pub use conversion::ToIntegerError;
+pub use arithmetic::{Answer, FloatArithmetic};
 pub use flags::Flags;
-pub use format::{FloatFormat, Rounding};
+pub use format::{FloatFormat, Rounding, UnknownFloatFormat};
+pub use integer_format::{IntegerFormat, UnknownIntegerFormat};
+pub use order::{Comparison, Relation};
 pub use policy::Policy;
+pub use shorthand::ToIntegerError;
+pub use supported::{SUPPORTED_FORMATS, SupportedFormat};

@@ -33,12 +33,6 @@ impl FloatFormat {
         }
     }
 
-    /// Is this magnitude that of a normal number: not zero, infinite or NaN? One comparison.
-    #[inline(always)]
-    pub(super) const fn is_normal_magnitude(self, magnitude: u64) -> bool {
-        magnitude.wrapping_sub(self.min_normal()) < self.infinity() - self.min_normal()
-    }
-
     /// The exponent field of a magnitude.
     #[inline(always)]
     pub(super) const fn exponent_field(self, magnitude: u64) -> i32 {

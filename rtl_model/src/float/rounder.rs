@@ -1,6 +1,6 @@
 //! The one rounder behind every inexact operator: from an exact result to the nearest pattern.
 
-use super::{FloatFormat, Rounding};
+use super::{Answer, Flags, FloatArithmetic, Policy, Rounding};
 
 /// A nonzero result before rounding: `significand / 2^63 * 2^exponent`, negated where `negative`.
 ///
@@ -13,6 +13,14 @@ pub(super) struct Unrounded {
     /// The exponent without bias; far from the range of `i32`, so that adding a bias is safe.
     pub(super) exponent: i32,
     pub(super) significand: u64,
+}
+
+/// `value >> amount`, with bit 0 set if a 1 was shifted out.
+#[inline(always)]
+pub(super) const fn shift_right_sticky(value: u64, amount: u32) -> u64 {
+    let amount = if amount > 63 { 63 } else { amount };
+    let shifted = value >> amount;
+    shifted | (shifted << amount != value) as u64
 }
 
 impl Rounding {
@@ -45,21 +53,26 @@ impl Rounding {
     }
 }
 
-impl FloatFormat {
-    /// The pattern of a result: rounded to `F` fraction bits as if the exponent had no bounds, then
-    /// replaced by a zero of its sign if below the smallest normal number, and by infinity or the
-    /// largest finite number if above the latter.
+impl FloatArithmetic {
+    /// The pattern of a result, and its flags overflow, underflow and inexact.
+    ///
+    /// First it is rounded to `F` fraction bits as if the exponent had no bounds. Beyond the largest
+    /// finite number it is then replaced by infinity or that number. Below the smallest normal
+    /// number it is *tiny*: under `flush` it becomes the zero of its sign; under `full` the exact
+    /// result is rounded anew, to a multiple of the smallest subnormal number.
     #[inline(always)]
-    pub(super) const fn round(self, rounding: Rounding, exact: Unrounded) -> u64 {
-        let kept = exact.significand >> (63 - self.fraction_bits);
-        let dropped = exact.significand << (self.fraction_bits + 1);
-        let increments = rounding.increments(exact.negative, kept & 1 == 1, dropped);
+    pub(super) const fn round(self, exact: Unrounded) -> Answer {
+        let format = self.format;
+        let (kept, dropped) = self.split(exact.significand);
+        let increments = self
+            .rounding
+            .increments(exact.negative, kept & 1 == 1, dropped);
 
         // Fields this far outside decide the result alone; bounding them keeps the shift within
         // 64 bits. The kept leading one and a carry out of the rounding both add to the field, so
         // with one more for its lower bound the sum stands two too high.
-        let field = exact.exponent + self.exponent_bias();
-        let all_ones = self.exponent_all_ones() as i32;
+        let field = exact.exponent + format.exponent_bias();
+        let all_ones = format.exponent_all_ones() as i32;
         let bounded = if field < 0 {
             -1
         } else if field > all_ones {
@@ -67,16 +80,67 @@ impl FloatFormat {
         } else {
             field
         };
-        let sum = (((bounded + 1) as u64) << self.fraction_bits) + kept + increments as u64;
-        let magnitude = sum.saturating_sub(2 << self.fraction_bits);
+        let sum = (((bounded + 1) as u64) << format.fraction_bits) + kept + increments as u64;
+        let magnitude = sum.saturating_sub(2 << format.fraction_bits);
 
-        let magnitude = if magnitude < self.infinity() {
-            self.flushed_magnitude(magnitude)
-        } else if rounding.overflows_to_infinity(exact.negative) {
-            self.infinity()
-        } else {
-            self.max_finite()
-        };
-        self.zero_of_sign(exact.negative) | magnitude
+        let negative = exact.negative;
+        let sign = format.zero_of_sign(negative);
+        if magnitude >= format.infinity() {
+            let magnitude = if self.rounding.overflows_to_infinity(negative) {
+                format.infinity()
+            } else {
+                format.max_finite()
+            };
+            return Answer {
+                bits: sign | magnitude,
+                flags: Flags::OVERFLOW.union(Flags::INEXACT),
+            };
+        }
+        let tiny = magnitude < format.min_normal();
+        match self.policy {
+            Policy::Flush => Answer {
+                bits: sign | if tiny { 0 } else { magnitude },
+                flags: Flags::INEXACT
+                    .when(dropped != 0)
+                    .union(Flags::UNDERFLOW.union(Flags::INEXACT).when(tiny)),
+            },
+            Policy::Full if field >= 1 => Answer {
+                bits: sign | magnitude,
+                flags: Flags::INEXACT.when(dropped != 0),
+            },
+            Policy::Full => self.round_below_normal(negative, field, exact.significand, tiny),
+        }
+    }
+
+    /// A result whose leading one is below the smallest normal number: a multiple of the smallest
+    /// subnormal number, up to that normal number itself.
+    #[inline]
+    const fn round_below_normal(
+        self,
+        negative: bool,
+        field: i32,
+        significand: u64,
+        tiny: bool,
+    ) -> Answer {
+        let aligned = shift_right_sticky(significand, (1 - field) as u32);
+        let (kept, dropped) = self.split(aligned);
+        let increments = self.rounding.increments(negative, kept & 1 == 1, dropped);
+        let inexact = dropped != 0;
+        Answer {
+            bits: self.format.zero_of_sign(negative) | (kept + increments as u64),
+            flags: Flags::INEXACT
+                .when(inexact)
+                .union(Flags::UNDERFLOW.when(inexact && tiny)),
+        }
+    }
+
+    /// The `F + 1` leading bits of a significand, and those after them, moved up to bit 63.
+    #[inline(always)]
+    const fn split(self, significand: u64) -> (u64, u64) {
+        let fraction_bits = self.format.fraction_bits;
+        (
+            significand >> (63 - fraction_bits),
+            significand << (fraction_bits + 1),
+        )
     }
 }

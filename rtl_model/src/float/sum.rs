@@ -1,88 +1,79 @@
 //! Addition and subtraction.
 
-use super::rounder::Unrounded;
-use super::{FloatFormat, Rounding};
+use super::rounder::{Unrounded, shift_right_sticky};
+use super::{Answer, FloatArithmetic};
 
-impl FloatFormat {
+impl FloatArithmetic {
     /// `a + b`, rounded once.
     ///
-    /// A sum of exactly zero is +0, or -0 under [`Rounding::Down`]; two zeros of one sign keep it.
-    /// Infinities of opposite sign give the canonical NaN.
+    /// A sum of exactly zero is +0, or -0 when rounding down; two zeros of one sign keep it.
+    /// Infinities of opposite sign give the canonical NaN and are invalid.
     #[inline(always)]
-    pub const fn add(self, rounding: Rounding, a: u64, b: u64) -> u64 {
-        let signs_differ = self.has_sign(a ^ b);
-        let magnitude_a = self.flushed_magnitude(a);
-        let magnitude_b = self.flushed_magnitude(b);
+    pub const fn add(self, a: u64, b: u64) -> Answer {
+        let format = self.format;
+        let signs_differ = format.has_sign(a ^ b);
+        let magnitude_a = self.read_magnitude(a);
+        let magnitude_b = self.read_magnitude(b);
         // Which operand is larger and whether the signs differ are coin tosses to a branch
         // predictor: masks instead of branches halve the time on random operands.
         let b_is_larger = all_bits(magnitude_b > magnitude_a);
         let exchanged = (magnitude_a ^ magnitude_b) & b_is_larger;
         let (large, small) = (magnitude_a ^ exchanged, magnitude_b ^ exchanged);
-        let negative = self.has_sign(a ^ ((a ^ b) & b_is_larger));
-        if large >= self.infinity() {
-            return self.add_beyond_finite(negative, large, small, signs_differ);
+        let negative = format.has_sign(a ^ ((a ^ b) & b_is_larger));
+        if large >= format.infinity() {
+            return self.add_beyond_finite(a, b, negative);
         }
 
         // Leading ones at bit 62: one bit above for the carry of the sum, at least ten below for
         // what the alignment shifts out. Only a distance of 2 or more loses bits, and then the
         // difference cancels one leading bit at most: the sticky bit stays below the guard bit.
-        let distance = self.exponent_field(large) - self.exponent_field(small);
-        let large_significand = self.significand_or_zero(large);
-        let small_significand =
-            shift_right_sticky(self.significand_or_zero(small), distance as u32);
+        let to_62 = 62 - format.fraction_bits;
+        let (large_field, large_significand) = self.as_encoded(large);
+        let (small_field, small_significand) = self.as_encoded(small);
+        let distance = large_field - small_field;
+        let aligned = shift_right_sticky(small_significand << to_62, distance as u32);
         let minus = all_bits(signs_differ);
-        let total = large_significand.wrapping_add((small_significand ^ minus).wrapping_sub(minus));
+        let total =
+            (large_significand << to_62).wrapping_add((aligned ^ minus).wrapping_sub(minus));
         if total == 0 {
-            let minus_zero = if signs_differ {
-                matches!(rounding, Rounding::Down)
+            return if signs_differ {
+                self.cancelled()
             } else {
-                negative
+                self.zero(negative)
             };
-            return self.zero_of_sign(minus_zero);
         }
 
         let leading_zeros = total.leading_zeros();
-        self.round(
-            rounding,
-            Unrounded {
-                negative,
-                exponent: self.exponent_field(large) - self.exponent_bias() + 1
-                    - leading_zeros as i32,
-                significand: total << leading_zeros,
-            },
-        )
+        self.round(Unrounded {
+            negative,
+            exponent: large_field - format.exponent_bias() + 1 - leading_zeros as i32,
+            significand: total << leading_zeros,
+        })
     }
 
     /// `a - b`, rounded once: `a + (-b)` in every case.
     #[inline(always)]
-    pub const fn sub(self, rounding: Rounding, a: u64, b: u64) -> u64 {
-        self.add(rounding, a, self.negate(b))
+    pub const fn sub(self, a: u64, b: u64) -> Answer {
+        self.add(a, self.format.negate(b))
     }
 
-    /// A sum whose larger magnitude is infinite or NaN.
+    /// A sum of which one operand is infinite or NaN; `negative` is the sign of the larger one.
     #[cold]
-    const fn add_beyond_finite(
-        self,
-        negative: bool,
-        large: u64,
-        small: u64,
-        signs_differ: bool,
-    ) -> u64 {
-        if large > self.infinity() || (small == self.infinity() && signs_differ) {
-            self.quiet_nan()
+    const fn add_beyond_finite(self, a: u64, b: u64, negative: bool) -> Answer {
+        let format = self.format;
+        if format.is_nan(a) || format.is_nan(b) {
+            self.nan_operand(a, b)
+        } else if format.is_infinite(a) && format.is_infinite(b) && format.has_sign(a ^ b) {
+            self.not_a_number(true)
         } else {
-            self.zero_of_sign(negative) | self.infinity()
+            self.infinite(negative)
         }
     }
 
-    /// The significand with its leading one at bit 62, or 0 for a zero.
+    /// The answer to operands of which one is NaN: invalid if one is signalling.
     #[inline(always)]
-    const fn significand_or_zero(self, magnitude: u64) -> u64 {
-        if magnitude == 0 {
-            0
-        } else {
-            self.significand(magnitude) << (62 - self.fraction_bits)
-        }
+    pub(super) const fn nan_operand(self, a: u64, b: u64) -> Answer {
+        self.not_a_number(self.format.is_signalling_nan(a) || self.format.is_signalling_nan(b))
     }
 }
 
@@ -90,12 +81,4 @@ impl FloatFormat {
 #[inline(always)]
 const fn all_bits(condition: bool) -> u64 {
     (condition as u64).wrapping_neg()
-}
-
-/// `value >> amount`, with bit 0 set if a 1 was shifted out.
-#[inline(always)]
-const fn shift_right_sticky(value: u64, amount: u32) -> u64 {
-    let amount = if amount > 63 { 63 } else { amount };
-    let shifted = value >> amount;
-    shifted | (shifted << amount != value) as u64
 }

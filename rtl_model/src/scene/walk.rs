@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::Deserialize;
 use thiserror::Error;
 
-use crate::float::FloatFormat;
+use crate::float::{FloatFormat, UnknownFloatFormat};
 
 /// A method and a number format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -72,19 +72,8 @@ pub enum WalkError {
         text: String,
     },
     /// A float with too few or too many bits.
-    #[error("format `{text}`: {found} {part} bits; {least} to {most} are supported")]
-    WidthOutOfRange {
-        /// The text found.
-        text: String,
-        /// `exponent` or `fraction`.
-        part: &'static str,
-        /// The bits found.
-        found: u64,
-        /// The fewest.
-        least: u32,
-        /// The most.
-        most: u32,
-    },
+    #[error(transparent)]
+    WidthOutOfRange(UnknownFloatFormat),
 }
 
 impl FromStr for Method {
@@ -109,34 +98,12 @@ impl FromStr for WalkFormat {
             "exact" => return Ok(WalkFormat::Exact),
             _ => {}
         }
-        let unknown = || WalkError::UnknownFormat {
-            text: text.to_owned(),
-        };
-        let (exponent, fraction) = text
-            .strip_prefix('e')
-            .and_then(|widths| widths.split_once('f'))
-            .ok_or_else(unknown)?;
-        let width = |digits: &str, part, least: u32, most: u32| {
-            // The parser of integers would also take a sign.
-            if !digits.bytes().all(|byte| byte.is_ascii_digit()) {
-                return Err(unknown());
-            }
-            let found: u64 = digits.parse().map_err(|_| unknown())?;
-            u32::try_from(found)
-                .ok()
-                .filter(|bits| (least..=most).contains(bits))
-                .ok_or_else(|| WalkError::WidthOutOfRange {
-                    text: text.to_owned(),
-                    part,
-                    found,
-                    least,
-                    most,
-                })
-        };
-        Ok(WalkFormat::Float(FloatFormat::new(
-            width(exponent, "exponent", 2, 11)?,
-            width(fraction, "fraction", 2, 52)?,
-        )))
+        text.parse()
+            .map(WalkFormat::Float)
+            .map_err(|error| match error {
+                UnknownFloatFormat::Name { text } => WalkError::UnknownFormat { text },
+                width @ UnknownFloatFormat::Width { .. } => WalkError::WidthOutOfRange(width),
+            })
     }
 }
 
