@@ -124,16 +124,16 @@ impl FloatArithmetic {
     }
 
     /// Exponent field and significand of any finite magnitude, on the scale of the encoding: a
-    /// number without leading one has the exponent of field 1.
+    /// subnormal number has the exponent of field 1 and no leading one, a zero the significand 0.
     #[inline(always)]
     pub(super) const fn as_encoded(self, magnitude: u64) -> (i32, u64) {
         let format = self.format;
         let field = format.exponent_field(magnitude);
-        let leading_one = (field != 0) as u64;
-        (
-            field + 1 - leading_one as i32,
-            (magnitude & format.fraction_mask()) | leading_one << format.fraction_bits,
-        )
+        match self.policy {
+            Policy::Flush if magnitude == 0 => (field, 0),
+            Policy::Full if field == 0 => (1, magnitude),
+            _ => (field, format.significand(magnitude)),
+        }
     }
 
     /// The canonical NaN, with [`Flags::INVALID`] where `invalid`.

@@ -130,22 +130,16 @@ impl FloatArithmetic {
         a: u64,
         b: u64,
     ) -> (Option<Ordering>, Flags) {
-        let format = self.format;
-        if format.is_nan(a) || format.is_nan(b) {
-            let invalid = matches!(comparison, Comparison::Signalling)
-                || format.is_signalling_nan(a)
-                || format.is_signalling_nan(b);
-            return (None, Flags::INVALID.when(invalid));
-        }
-        let (a, b) = (self.order_key(a), self.order_key(b));
-        let order = if a < b {
-            Ordering::Less
-        } else if a == b {
-            Ordering::Equal
+        let order = if !self.is_ordered(a, b) {
+            None
+        } else if self.order_key(a) < self.order_key(b) {
+            Some(Ordering::Less)
+        } else if self.order_key(a) == self.order_key(b) {
+            Some(Ordering::Equal)
         } else {
-            Ordering::Greater
+            Some(Ordering::Greater)
         };
-        (Some(order), Flags::NONE)
+        (order, self.comparison_flags(comparison, a, b))
     }
 
     /// Does `a` stand in this relation to `b`?
@@ -161,22 +155,27 @@ impl FloatArithmetic {
         (relation.holds(order), flags)
     }
 
+    // The three that stand in inner loops do not go by way of the order: it costs branches.
+
     /// `a == b`; false where either is NaN.
-    #[inline]
+    #[inline(always)]
     pub const fn equal(self, comparison: Comparison, a: u64, b: u64) -> (bool, Flags) {
-        self.relation(Relation::Equal, comparison, a, b)
+        let equal = self.is_ordered(a, b) && self.order_key(a) == self.order_key(b);
+        (equal, self.comparison_flags(comparison, a, b))
     }
 
     /// `a < b`; false where either is NaN.
-    #[inline]
+    #[inline(always)]
     pub const fn less_than(self, comparison: Comparison, a: u64, b: u64) -> (bool, Flags) {
-        self.relation(Relation::LessThan, comparison, a, b)
+        let less = self.is_ordered(a, b) && self.order_key(a) < self.order_key(b);
+        (less, self.comparison_flags(comparison, a, b))
     }
 
     /// `a <= b`; false where either is NaN.
-    #[inline]
+    #[inline(always)]
     pub const fn less_equal(self, comparison: Comparison, a: u64, b: u64) -> (bool, Flags) {
-        self.relation(Relation::LessEqual, comparison, a, b)
+        let less_or_equal = self.is_ordered(a, b) && self.order_key(a) <= self.order_key(b);
+        (less_or_equal, self.comparison_flags(comparison, a, b))
     }
 
     /// Is either NaN?
@@ -213,6 +212,22 @@ impl FloatArithmetic {
             bits: self.canonical(if takes_a { a } else { b }),
             flags: Flags::INVALID.when(format.is_signalling_nan(a) || format.is_signalling_nan(b)),
         }
+    }
+
+    /// Neither is NaN.
+    #[inline(always)]
+    const fn is_ordered(self, a: u64, b: u64) -> bool {
+        !(self.format.is_nan(a) || self.format.is_nan(b))
+    }
+
+    /// Invalid where an operand is a NaN that this kind of comparison does not put up with.
+    #[inline(always)]
+    const fn comparison_flags(self, comparison: Comparison, a: u64, b: u64) -> Flags {
+        let format = self.format;
+        Flags::INVALID.when(match comparison {
+            Comparison::Quiet => format.is_signalling_nan(a) || format.is_signalling_nan(b),
+            Comparison::Signalling => !self.is_ordered(a, b),
+        })
     }
 
     /// A signed integer in the order of the numbers: the magnitude, negated where the sign is 1.
