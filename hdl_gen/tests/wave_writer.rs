@@ -3,6 +3,7 @@
 use hdl_gen::netlist::Meaning;
 use hdl_gen::wave::{LogicWord, SignalDeclaration, WaveError, Writer, WriterOptions};
 use proptest::prelude::*;
+use rtl_model::fixed::{Fixed, FixedFormat};
 use rtl_model::float::FloatFormat;
 use std::io::Cursor;
 use wellen::simple::Waveform;
@@ -29,6 +30,7 @@ fn declarations() -> Vec<SignalDeclaration> {
         declaration(&["traverse", "hit"], "i", 9, Meaning::Signed),
         declaration(&["traverse", "step"], "wide", 64, Meaning::Signed),
         declaration(&["traverse"], "count", 64, Meaning::Bits),
+        declaration(&["traverse"], "q", 12, Meaning::Fixed(FixedFormat::q(5, 7))),
     ]
 }
 
@@ -61,11 +63,11 @@ fn binary(value: u64, width: usize) -> String {
 proptest! {
     #[test]
     fn another_parser_reads_the_same_values(
-        rows in prop::collection::vec((any::<bool>(), any::<[u64; 5]>(), any::<u8>()), 1..40),
+        rows in prop::collection::vec((any::<bool>(), any::<[u64; 6]>(), any::<u8>()), 1..40),
         first_cycle in 0_u64..1_000_000,
         period_ns in 2_u64..20,
     ) {
-        let widths = [1, 24, 9, 64, 64];
+        let widths = [1, 24, 9, 64, 64, 12];
         let cycles: Vec<(bool, Vec<LogicWord>)> = rows
             .iter()
             .map(|(reset_n, words, repeats)| {
@@ -108,6 +110,11 @@ proptest! {
                         let expected = known.map_or(f64::NAN, |bits| format.to_f64(bits));
                         prop_assert!(read == expected || read.is_nan() && expected.is_nan());
                     }
+                    (Meaning::Fixed(format), known) => {
+                        let read: f64 = shadow(&mut waveform, "_real").parse().unwrap();
+                        let expected = known.map_or(f64::NAN, |bits| Fixed::new(format, bits).to_f64());
+                        prop_assert!(read == expected || read.is_nan() && expected.is_nan());
+                    }
                     (Meaning::Signed, known) => {
                         let read = shadow(&mut waveform, "_int");
                         let expected = match known {
@@ -128,7 +135,7 @@ proptest! {
 
 #[test]
 fn only_changes_are_written() {
-    let row = |t: u64| (true, [1, t, 3, 4, 5].map(LogicWord::known).to_vec());
+    let row = |t: u64| (true, [1, t, 3, 4, 5, 6].map(LogicWord::known).to_vec());
     let text = write(&WriterOptions::default(), &[row(7), row(7), row(8)]);
     let text = String::from_utf8(text).unwrap();
     let (_, changes) = text.split_once("$enddefinitions $end\n").unwrap();
@@ -141,13 +148,14 @@ fn only_changes_are_written() {
         "the last cycle has its full length"
     );
     assert!(text.contains("$comment stepwell-float traverse.step.t e7f16 $end"));
+    assert!(text.contains("$comment stepwell-fixed traverse.q q5.7 $end"));
     assert!(!text.contains("_real"), "shadows were not asked for");
 }
 
 #[test]
 fn a_window_can_leave_cycles_out_but_not_go_back() {
     let mut writer = Writer::new(Vec::new(), &declarations(), &WriterOptions::default()).unwrap();
-    let values = [LogicWord::known(0); 5];
+    let values = [LogicWord::known(0); 6];
     writer.cycle(true, &values).unwrap();
     writer.skip_to(10).unwrap();
     writer.cycle(true, &values).unwrap();
@@ -221,7 +229,7 @@ fn what_cannot_be_written_is_refused_by_name() {
     }
 
     let mut writer = Writer::new(Vec::new(), &declarations(), &default).unwrap();
-    let zeros = [LogicWord::known(0); 5];
+    let zeros = [LogicWord::known(0); 6];
     assert!(matches!(
         writer.cycle(true, &zeros[..4]),
         Err(WaveError::ValueCount { given: 4, .. })

@@ -457,5 +457,6 @@ fn remark(meaning: Meaning) -> String {
         Meaning::Bits => String::new(),
         Meaning::Signed => "two's complement".to_owned(),
         Meaning::Float(format) => format!("float {format}"),
+        Meaning::Fixed(format) => format!("fixed {format}"),
     }
 }

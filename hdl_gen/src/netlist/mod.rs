@@ -196,6 +196,8 @@ pub enum Meaning {
     Signed,
     /// A float of this format.
     Float(rtl_model::float::FloatFormat),
+    /// A fixed-point number of this format.
+    Fixed(rtl_model::fixed::FixedFormat),
 }
 
 /// A constant with a name and the reason for its value, printed as a localparam.

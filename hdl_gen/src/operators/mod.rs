@@ -16,6 +16,7 @@ mod compare;
 mod configuration;
 mod denormalise;
 mod divide;
+mod fixed;
 mod golden;
 mod height;
 mod integer;
@@ -31,6 +32,7 @@ use rtl_model::float::FloatFormat;
 use crate::netlist::{Builder, Meaning, Wire};
 
 pub use configuration::{Multiplier, OperatorConfiguration, Radix, Structure};
+pub use fixed::{FixedConfiguration, FixedOperator};
 pub use stream::stream_unit;
 
 /// The widest fraction the operators take: a product of two significands must fit a word.
@@ -98,6 +100,18 @@ pub enum UnsupportedOperator {
         operator: &'static str,
         /// The format asked for.
         format: FloatFormat,
+    },
+    /// A word of it is wider than the netlist has.
+    #[error(
+        "{operator}: its {word} would have {width} bits; 64 are the most: use narrower formats"
+    )]
+    WordTooWide {
+        /// The operator's name.
+        operator: &'static str,
+        /// Which word.
+        word: &'static str,
+        /// Its bits.
+        width: u32,
     },
     /// A width of the operator's own is out of range.
     #[error("{operator}: {parameter} of {width} bits; use {least} to {most}")]

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use rtl_model::fixed::FixedFormat;
 use rtl_model::float::FloatFormat;
 use rtl_model::scene::WalkFormat;
 use serde::{Deserialize, Serialize};
@@ -21,12 +22,15 @@ pub enum Role {
     Memory,
 }
 
-/// How the bits of a field are read; written `float eXfY`, `signed`, `unsigned` or `bit`.
+/// How the bits of a field are read; written `float eXfY`, `fixed qI.F` or `fixed uqI.F`, `signed`,
+/// `unsigned` or `bit`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum FieldFormat {
     /// A float: sign, exponent, fraction (`docs/numerics.md`).
     Float(FloatFormat),
+    /// A fixed-point number: the integer it spells, times a power of two (`docs/fixed_point.md`).
+    Fixed(FixedFormat),
     /// A two's complement integer.
     Signed,
     /// An unsigned integer.
@@ -40,6 +44,7 @@ impl FieldFormat {
     pub fn of_port(meaning: Meaning, width: u32) -> FieldFormat {
         match meaning {
             Meaning::Float(format) => FieldFormat::Float(format),
+            Meaning::Fixed(format) => FieldFormat::Fixed(format),
             Meaning::Signed => FieldFormat::Signed,
             Meaning::Bits if width == 1 => FieldFormat::Bit,
             Meaning::Bits => FieldFormat::Unsigned,
@@ -51,6 +56,7 @@ impl fmt::Display for FieldFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             FieldFormat::Float(format) => write!(f, "float {format}"),
+            FieldFormat::Fixed(format) => write!(f, "fixed {format}"),
             FieldFormat::Signed => f.write_str("signed"),
             FieldFormat::Unsigned => f.write_str("unsigned"),
             FieldFormat::Bit => f.write_str("bit"),
@@ -66,13 +72,20 @@ impl FromStr for FieldFormat {
             Ok(WalkFormat::Float(format)) => Some(format),
             _ => None,
         };
+        let fixed = || text.strip_prefix("fixed ")?.parse().ok();
         match text {
             "signed" => Ok(FieldFormat::Signed),
             "unsigned" => Ok(FieldFormat::Unsigned),
             "bit" => Ok(FieldFormat::Bit),
-            _ => float().map(FieldFormat::Float).ok_or_else(|| {
-                format!("unknown format `{text}`: it is float eXfY, signed, unsigned or bit")
-            }),
+            _ => {
+                let fixed = fixed().map(FieldFormat::Fixed);
+                fixed.or(float().map(FieldFormat::Float)).ok_or_else(|| {
+                    format!(
+                        "unknown format `{text}`: it is float eXfY, fixed qI.F or uqI.F, signed, \
+                         unsigned or bit"
+                    )
+                })
+            }
         }
     }
 }
@@ -138,13 +151,23 @@ mod tests {
     fn formats_read_back_from_their_names() {
         for format in [
             FieldFormat::Float(FloatFormat::E7F16),
+            FieldFormat::Fixed(FixedFormat::q(12, 20)),
+            FieldFormat::Fixed(FixedFormat::uq(0, 16)),
             FieldFormat::Signed,
             FieldFormat::Unsigned,
             FieldFormat::Bit,
         ] {
             assert_eq!(format.to_string().parse(), Ok(format));
         }
-        for text in ["float", "float f64", "float e1f3", "Signed", ""] {
+        for text in [
+            "float",
+            "float f64",
+            "float e1f3",
+            "fixed",
+            "fixed q0.3",
+            "Signed",
+            "",
+        ] {
             assert!(text.parse::<FieldFormat>().is_err(), "{text}");
         }
     }

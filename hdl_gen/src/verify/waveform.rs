@@ -269,11 +269,8 @@ pub fn decoded_value(meaning: Meaning, width: u32, value: u64) -> String {
     crate::wave::decoded(meaning, width, LogicWord::from(value)).unwrap_or_default()
 }
 
-/// How many representable numbers two floats of a signal lie apart; `None` for other signals, and
-/// where a value is no number.
+/// How many representable numbers two numbers of a signal lie apart; `None` for signals that are
+/// none, and where a value is no number.
 pub fn units_in_the_last_place(meaning: Meaning, a: u64, b: u64) -> Option<u64> {
-    match meaning {
-        Meaning::Float(format) => crate::wave::steps_between(format, a, b),
-        Meaning::Bits | Meaning::Signed => None,
-    }
+    crate::wave::steps_between(meaning, a, b)
 }

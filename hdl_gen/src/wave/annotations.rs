@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! $comment stepwell-float traverse.step.t e7f16 $end
+//! $comment stepwell-fixed top.t q12.20 $end
 //! $comment stepwell-signed traverse.step.i $end
 //! $comment stepwell-inputs traverse.step = traverse.step.a traverse.step.b $end
 //! $comment stepwell-depends traverse.step.sum_s3 = traverse.step.a_s1@-2 $end
@@ -31,6 +32,7 @@ pub(crate) fn meaning_line(signal: &SignalDeclaration) -> Option<String> {
         Meaning::Bits => None,
         Meaning::Signed => Some(format!("stepwell-signed {name}")),
         Meaning::Float(format) => Some(format!("stepwell-float {name} {format}")),
+        Meaning::Fixed(format) => Some(format!("stepwell-fixed {name} {format}")),
     }
 }
 
@@ -85,6 +87,12 @@ impl Annotations {
             ("stepwell-float", [format]) => {
                 let format = float_format(format).ok_or("the format is not of the form e7f16")?;
                 self.meanings.push((subject, Meaning::Float(format)));
+            }
+            ("stepwell-fixed", [format]) => {
+                let format = format
+                    .parse()
+                    .map_err(|_| "the format is not of the form q12.20 or uq0.16")?;
+                self.meanings.push((subject, Meaning::Fixed(format)));
             }
             ("stepwell-signed", []) => self.meanings.push((subject, Meaning::Signed)),
             ("stepwell-inputs", ["=", inputs @ ..]) => self.unit_inputs.push(UnitInputs {

@@ -232,8 +232,8 @@ impl<'a, G: BufRead, O: BufRead> Comparison<'a, G, O> {
                 _ => None,
             },
         };
-        let ulps = match (meaning, golden[0].as_known(), other[0].as_known()) {
-            (Meaning::Float(format), Some(a), Some(b)) => steps_between(format, a, b),
+        let ulps = match (golden[0].as_known(), other[0].as_known()) {
+            (Some(a), Some(b)) => steps_between(meaning, a, b),
             _ => None,
         };
         DivergingSignal {
@@ -246,6 +246,7 @@ impl<'a, G: BufRead, O: BufRead> Comparison<'a, G, O> {
                 Meaning::Bits => "unsigned".to_owned(),
                 Meaning::Signed => "signed".to_owned(),
                 Meaning::Float(format) => format!("float {format}"),
+                Meaning::Fixed(format) => format!("fixed {format}"),
             },
             golden: report(golden),
             other: report(other),

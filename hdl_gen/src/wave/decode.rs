@@ -3,7 +3,7 @@
 use super::LogicWord;
 use super::logic::low_mask;
 use crate::netlist::Meaning;
-use rtl_model::float::FloatFormat;
+use rtl_model::fixed::Fixed;
 
 /// The low `width` bits (1 to 64) as a two's complement integer.
 pub fn two_s_complement(width: u32, bits: u64) -> i64 {
@@ -17,7 +17,18 @@ pub fn two_s_complement(width: u32, bits: u64) -> i64 {
 /// The values are ordered as numbers; the two zeros are one place, so they are 0 steps apart;
 /// infinity is one step beyond the largest finite value. Subnormal patterns count as steps, also
 /// where the hardware reads them as zero.
-pub fn steps_between(format: FloatFormat, a: u64, b: u64) -> Option<u64> {
+///
+/// Between fixed-point numbers it is the distance in units in the last place. Integers and plain
+/// bits have none.
+pub fn steps_between(meaning: Meaning, a: u64, b: u64) -> Option<u64> {
+    let format = match meaning {
+        Meaning::Bits | Meaning::Signed => return None,
+        Meaning::Float(format) => format,
+        Meaning::Fixed(format) => {
+            let units = |bits| Fixed::new(format, bits).units();
+            return u64::try_from(units(a).abs_diff(units(b))).ok();
+        }
+    };
     let place = |bits: u64| {
         let magnitude = bits & (format.sign_bit() - 1);
         if magnitude > format.infinity() {
@@ -34,13 +45,14 @@ pub fn steps_between(format: FloatFormat, a: u64, b: u64) -> Option<u64> {
 }
 
 /// A word as people read it: a float as a decimal number (as the hardware reads it: a subnormal
-/// pattern is a zero), a signed or unsigned integer in decimal. None where a bit is x or z.
+/// pattern is a zero), a fixed-point number as its exact decimal, a signed or unsigned integer in decimal. None where a bit is x or z.
 pub fn decoded(meaning: Meaning, width: u32, word: LogicWord) -> Option<String> {
     let bits = word.low_bits(width).as_known()?;
     Some(match meaning {
         Meaning::Bits => (bits & low_mask(width)).to_string(),
         Meaning::Signed => two_s_complement(width, bits).to_string(),
         Meaning::Float(format) => real_text(format.to_f64(bits)),
+        Meaning::Fixed(format) => Fixed::new(format, bits).to_string(),
     })
 }
 
@@ -57,6 +69,7 @@ pub(crate) fn real_text(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rtl_model::float::FloatFormat;
 
     #[test]
     fn the_steps_of_a_small_format_are_the_count_of_values_between() {
@@ -92,7 +105,11 @@ mod tests {
                     (Some(a), Some(b)) => Some(a.abs_diff(b) as u64),
                     _ => None,
                 };
-                assert_eq!(steps_between(format, a, b), expected, "{a:#x} {b:#x}");
+                assert_eq!(
+                    steps_between(Meaning::Float(format), a, b),
+                    expected,
+                    "{a:#x} {b:#x}"
+                );
             }
         }
     }

@@ -270,6 +270,7 @@ fn annotated<G: BufRead, O: BufRead>(
     let of_pair = |pair: &Pair| match meanings.get(pair.name.as_str()) {
         // A format of another width cannot be how these bits are meant.
         Some(Meaning::Float(format)) if format.width() != pair.width => Meaning::Bits,
+        Some(Meaning::Fixed(format)) if format.width() != pair.width => Meaning::Bits,
         Some(&meaning) => meaning,
         None => Meaning::Bits,
     };

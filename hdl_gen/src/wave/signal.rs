@@ -54,13 +54,17 @@ impl SignalDeclaration {
         if !(1..=64).contains(&self.width) {
             return wrong("its width is not 1 to 64 bits");
         }
-        if let Meaning::Float(format) = self.meaning
-            && format.width() != self.width
+        let meant = match self.meaning {
+            Meaning::Float(format) => Some((format!("float {format}"), format.width())),
+            Meaning::Fixed(format) => Some((format!("fixed {format}"), format.width())),
+            Meaning::Bits | Meaning::Signed => None,
+        };
+        if let Some((meant, width)) = meant
+            && width != self.width
         {
             return wrong(&format!(
-                "it is {} bits wide, but a float {format} has {}",
-                self.width,
-                format.width()
+                "it is {} bits wide, but a {meant} has {width}",
+                self.width
             ));
         }
         Ok(())

@@ -10,6 +10,7 @@ use super::{
     SignalDeclaration, UnitInputs, WaveError,
 };
 use crate::netlist::Meaning;
+use rtl_model::fixed::{Fixed, FixedFormat};
 use rtl_model::float::FloatFormat;
 use std::collections::HashSet;
 use std::io::Write;
@@ -47,10 +48,27 @@ impl Default for WriterOptions {
     }
 }
 
+/// The numbers that a real variable shows.
+#[derive(Clone, Copy, Debug)]
+enum RealOf {
+    Float(FloatFormat),
+    Fixed(FixedFormat),
+}
+
+impl RealOf {
+    /// The number, or the `f64` nearest to it where it has too many bits for one.
+    fn to_f64(self, bits: u64) -> f64 {
+        match self {
+            RealOf::Float(format) => format.to_f64(bits),
+            RealOf::Fixed(format) => Fixed::new(format, bits).to_f64(),
+        }
+    }
+}
+
 /// A VCD variable that shows a signal's decoded value.
 #[derive(Clone, Copy, Debug)]
 enum Shadow {
-    Real(FloatFormat, IdCode),
+    Real(RealOf, IdCode),
     /// With the integer's width: 32 bits, or 64 where the signal has more than 32.
     Integer(u32, IdCode),
 }
@@ -109,7 +127,12 @@ impl<W: Write> Writer<W> {
         for declaration in declarations {
             let id = next_id();
             let shadow = match declaration.meaning {
-                Meaning::Float(format) if options.shadows => Some(Shadow::Real(format, next_id())),
+                Meaning::Float(format) if options.shadows => {
+                    Some(Shadow::Real(RealOf::Float(format), next_id()))
+                }
+                Meaning::Fixed(format) if options.shadows => {
+                    Some(Shadow::Real(RealOf::Fixed(format), next_id()))
+                }
                 Meaning::Signed if options.shadows => {
                     let width = if declaration.width > 32 { 64 } else { 32 };
                     Some(Shadow::Integer(width, next_id()))
@@ -381,7 +404,7 @@ fn check_declarations(
             )));
         }
         let suffix = match declaration.meaning {
-            Meaning::Float(_) if shadows => Some(REAL_SHADOW_SUFFIX),
+            Meaning::Float(_) | Meaning::Fixed(_) if shadows => Some(REAL_SHADOW_SUFFIX),
             Meaning::Signed if shadows => Some(INTEGER_SHADOW_SUFFIX),
             _ => None,
         };

@@ -1,0 +1,217 @@
+//! Everything that a fixed-point operator's module depends on but its latency.
+
+use std::sync::Arc;
+
+use rtl_model::fixed::{FixedFormat, Overflow};
+#[cfg(doc)]
+use rtl_model::float::Flags;
+use rtl_model::float::Rounding;
+
+use super::super::UnsupportedOperator;
+use super::{FixedOperator, align, build, product, quotient, shift, word_fits};
+use crate::netlist::{Builder, Meaning, Module};
+use crate::pipeline::{pipelined, without_unused};
+
+/// A fixed-point operator with its formats, its rounding, what it does beyond the range, and whether
+/// it has flags. With a latency it names one module.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct FixedConfiguration {
+    /// What it computes.
+    pub operator: FixedOperator,
+    /// The format of `a_i`.
+    pub a: FixedFormat,
+    /// The format of `b_i`, where that is a number.
+    pub b: FixedFormat,
+    /// The format of `result_o`.
+    pub result: FixedFormat,
+    /// Which neighbour an inexact result becomes.
+    pub rounding: Rounding,
+    /// What a result beyond the range becomes.
+    pub overflow: Overflow,
+    /// Has it the port `flags_o`, [`Flags::WIDTH`] bits in the order of [`Flags`]?
+    pub has_flags: bool,
+}
+
+impl FixedConfiguration {
+    /// Operands and result of one format; no flags.
+    pub fn new(
+        operator: FixedOperator,
+        format: FixedFormat,
+        rounding: Rounding,
+        overflow: Overflow,
+    ) -> FixedConfiguration {
+        FixedConfiguration {
+            operator,
+            a: format,
+            b: format,
+            result: format,
+            rounding,
+            overflow,
+            has_flags: false,
+        }
+    }
+
+    /// With operands of these formats.
+    pub fn with_operands(self, a: FixedFormat, b: FixedFormat) -> FixedConfiguration {
+        FixedConfiguration { a, b, ..self }
+    }
+
+    /// With a result of this format.
+    pub fn with_result(self, result: FixedFormat) -> FixedConfiguration {
+        FixedConfiguration { result, ..self }
+    }
+
+    /// With the port `flags_o`; a comparison has none.
+    pub fn with_flags(self) -> FixedConfiguration {
+        FixedConfiguration {
+            has_flags: true,
+            ..self
+        }
+    }
+
+    /// The formats of its operands, in the order of its input ports.
+    pub fn operand_formats(self) -> Vec<FixedFormat> {
+        match self.operator {
+            FixedOperator::Add
+            | FixedOperator::Subtract
+            | FixedOperator::Multiply
+            | FixedOperator::Divide
+            | FixedOperator::Compare => vec![self.a, self.b],
+            FixedOperator::Reciprocal | FixedOperator::Negate | FixedOperator::Convert => {
+                vec![self.a]
+            }
+            FixedOperator::ShiftLeft { amount_bits }
+            | FixedOperator::ShiftRight { amount_bits } => {
+                vec![self.a, FixedFormat::uq(amount_bits, 0)]
+            }
+        }
+    }
+
+    /// How its operands are meant, in the order of its input ports.
+    pub fn operands(self) -> Vec<Meaning> {
+        let formats = self.operand_formats().into_iter();
+        formats.map(Meaning::Fixed).collect()
+    }
+
+    /// Its module's name without the latency: the operator, its formats (one where all are the
+    /// same, else the operands', `to` and the result's), then the rounding and what it does beyond
+    /// the range, as in `fixed_mul_q4_12_rne_saturate`.
+    pub fn name(self) -> String {
+        let operands = self.operand_formats();
+        let mut name = self.operator.name().to_owned();
+        let has_result = self.operator.has_result();
+        let uniform = operands.iter().all(|&format| format == operands[0])
+            && (operands[0] == self.result || !has_result);
+        if uniform {
+            name += &format!("_{}", operands[0].identifier());
+        } else {
+            for operand in operands {
+                name += &format!("_{}", operand.identifier());
+            }
+            if has_result {
+                name += &format!("_to_{}", self.result.identifier());
+            }
+        }
+        if has_result {
+            if self.has_flags {
+                name += "_flags";
+            }
+            name += &format!("_{}_{}", self.rounding, self.overflow);
+        }
+        name
+    }
+
+    /// The name of its module in so many cycles, such as `fixed_mul_q4_12_rne_saturate_l1`.
+    pub fn module_name(self, latency: u32) -> String {
+        format!("{}_l{latency}", self.name())
+    }
+
+    /// Can it be built?
+    ///
+    /// # Errors
+    /// If a word of it would be wider than 64 bits, or a parameter is out of its range.
+    pub fn check(self) -> Result<(), UnsupportedOperator> {
+        let fits = |word, width| word_fits(self.operator, word, width);
+        match self.operator {
+            FixedOperator::Add | FixedOperator::Subtract => {
+                fits("exact sum", align::common(self.a, self.b).width() + 1)
+            }
+            FixedOperator::Compare => {
+                fits("aligned operand", align::common(self.a, self.b).width())
+            }
+            FixedOperator::Negate => fits("exact result", self.a.width() + 1),
+            FixedOperator::Convert => fits("operand with a place for a carry", self.a.width() + 1),
+            FixedOperator::Multiply => fits("exact product", product::width(self.a, self.b)),
+            FixedOperator::Divide | FixedOperator::Reciprocal => {
+                fits("widest word", quotient::widest_word(self))
+            }
+            FixedOperator::ShiftLeft { amount_bits }
+            | FixedOperator::ShiftRight { amount_bits } => {
+                if !(1..=6).contains(&amount_bits) {
+                    return Err(UnsupportedOperator::WidthOutOfRange {
+                        operator: self.operator.name(),
+                        parameter: "amount",
+                        width: amount_bits,
+                        least: 1,
+                        most: 6,
+                    });
+                }
+                fits("shifted word", shift::widest_word(self))
+            }
+        }?;
+        // What the rounding drops may be wider than the word itself.
+        fits("result with a place for a carry", self.result.width() + 1)
+    }
+
+    /// Its module: combinational for latency 0, else a pipeline that takes new operands every
+    /// cycle in which `enable_i` is 1 (see [`pipelined`]).
+    ///
+    /// # Panics
+    /// Where [`FixedConfiguration::check`] fails.
+    pub fn build(self, latency: u32) -> Arc<Module> {
+        if let Err(error) = self.check() {
+            panic!("{error}");
+        }
+        let name = self.module_name(latency);
+        let mut builder = Builder::new(&name);
+        self.describe(&mut builder, latency);
+        build(&mut builder, self);
+        pipelined(&without_unused(&builder.finish()), latency, &name)
+    }
+
+    /// The header comment.
+    fn describe(self, builder: &mut Builder, latency: u32) {
+        builder.describe(self.operator.formula());
+        for (name, format) in ["a_i", "b_i"].into_iter().zip(self.operand_formats()) {
+            builder.describe(format!("{name}: {}", description(format)));
+        }
+        if self.operator.has_result() {
+            builder.describe(format!("result_o: {}", description(self.result)));
+            builder.describe(format!("rounding: {}", self.rounding));
+            builder.describe(match self.overflow {
+                Overflow::Saturate => {
+                    "overflow: saturate (first rounded, then moved to the nearer end of the range)"
+                }
+                Overflow::Wrap => "overflow: wrap (first rounded, then cut to the low bits)",
+            });
+        }
+        builder.describe(format!("latency: {latency}"));
+        builder.describe(format!(
+            "golden: rtl_model::fixed::{}",
+            self.operator.golden()
+        ));
+    }
+}
+
+/// A format in words.
+fn description(format: FixedFormat) -> String {
+    let (integer, fraction) = (format.integer_bits, format.fraction_bits);
+    if format.signed {
+        format!(
+            "{format} (two's complement, {integer} integer bits with the sign, {fraction} fraction \
+             bits)"
+        )
+    } else {
+        format!("{format} (unsigned, {integer} integer bits, {fraction} fraction bits)")
+    }
+}
