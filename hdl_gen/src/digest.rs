@@ -7,6 +7,7 @@ use std::sync::Arc;
 use sha2::{Digest, Sha256};
 
 use crate::netlist::{Module, Operation};
+use crate::operators::CORE_INSTANCE;
 
 /// Bytes of the SHA-256 that are shown: 64 bits tell any two of our netlists apart.
 const SHOWN_BYTES: usize = 8;
@@ -21,6 +22,15 @@ pub fn netlist_digest(top: &Arc<Module>) -> String {
         .iter()
         .map(|byte| format!("{byte:02x}"))
         .collect()
+}
+
+/// The digest of the pipelined operator within a stream unit: its area is measured without the
+/// handshakes. None of any other module.
+pub fn core_digest(unit: &Arc<Module>) -> Option<String> {
+    match unit.instances.as_slice() {
+        [core] if core.name == CORE_INSTANCE => Some(netlist_digest(&core.module)),
+        _ => None,
+    }
 }
 
 type Known = HashMap<*const Module, [u8; 32]>;
@@ -121,6 +131,8 @@ impl Canonical {
 mod tests {
     use super::*;
     use crate::netlist::Builder;
+    use crate::operators::{FloatOperator, OperatorConfiguration, stream_unit};
+    use rtl_model::float::Rounding;
 
     fn adder(name: &str, comment: &str, constant: u64) -> Arc<Module> {
         let mut b = Builder::new("adder");
@@ -148,6 +160,19 @@ mod tests {
         assert_eq!(base, netlist_digest(&adder("sum", "another", 1)));
         assert_ne!(base, netlist_digest(&adder("sum", "one", 2)));
         assert_ne!(base, netlist_digest(&adder("total", "one", 1)));
+    }
+
+    #[test]
+    fn the_core_of_a_stream_unit_is_found() {
+        let format = "e4f3".parse().unwrap();
+        let core =
+            OperatorConfiguration::new(FloatOperator::Compare, format, Rounding::NearestEven)
+                .build(1);
+        let unit = stream_unit(&core);
+        assert_eq!(core_digest(&unit), Some(netlist_digest(&core)));
+        assert_ne!(netlist_digest(&unit), netlist_digest(&core));
+        assert_eq!(core_digest(&core), None);
+        assert_eq!(core_digest(&user_of(&user_of(&adder("sum", "", 1)))), None);
     }
 
     #[test]

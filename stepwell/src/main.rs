@@ -5,6 +5,7 @@
 
 mod commands;
 mod numbers;
+mod operator_options;
 mod options;
 mod output;
 mod progress;

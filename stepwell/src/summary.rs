@@ -135,6 +135,14 @@ pub fn table(rows: &[(&str, String)]) -> String {
         .collect()
 }
 
+/// The digest of a unit, with that of the operator in it where it is one.
+pub fn netlist_row(unit: &str, core: Option<&str>) -> String {
+    match core {
+        Some(core) => format!("{unit}, of the operator without handshakes {core}"),
+        None => unit.to_owned(),
+    }
+}
+
 /// JSON on several lines, ended.
 pub fn json(value: &impl Serialize) -> anyhow::Result<String> {
     Ok(serde_json::to_string_pretty(value)? + "\n")

@@ -226,6 +226,56 @@ fn operators_agree() {
 }
 
 #[test]
+fn operators_agree_however_they_are_asked_for() {
+    let mut cores = Vec::new();
+    for options in [
+        "--unit float_add",
+        "--unit float_add --latency 3",
+        "--unit float_add --rounding rtz",
+        "--unit float_mul --rounding rup --multiplier logic",
+        "--unit float_div --radix 4 --latency 2",
+    ] {
+        let mut arguments: Vec<&str> = options.split_whitespace().collect();
+        arguments.extend(["--format", "e3f2", "--sim", "embedded"]);
+        let summary = agreed(&arguments, "embedded");
+        assert_eq!(summary["exhaustive"], true, "{options}");
+        let core = summary["core_digest"]
+            .as_str()
+            .expect("a digest")
+            .to_owned();
+        assert_ne!(summary["netlist_digest"], core, "{options}");
+        assert!(!cores.contains(&core), "{options}");
+        cores.push(core);
+    }
+}
+
+#[test]
+fn what_is_said_of_an_operator_is_refused_of_anything_else() {
+    for (subject, option) in [
+        ("verify scenes/small.toml", "--policy full"),
+        ("verify scenes/small.toml", "--latency 2"),
+        ("verify --unit traverse_step", "--flags"),
+        ("verify --unit traverse", "--radix 4"),
+        ("emit scenes/small.toml -o out/none", "--rounding rtz"),
+        (
+            "emit --unit traverse_step -o out/none",
+            "--multiplier logic",
+        ),
+    ] {
+        let arguments: Vec<&str> = subject.split(' ').chain(option.split(' ')).collect();
+        let output = run(&arguments);
+        assert_eq!(code(&output), 2, "{arguments:?}");
+        let message = String::from_utf8_lossy(&output.stderr);
+        let named = option.split(' ').next().expect("an option");
+        assert!(
+            message.contains(named) && message.contains("--unit"),
+            "{message}"
+        );
+        assert!(!workspace().join("out/none").exists(), "{arguments:?}");
+    }
+}
+
+#[test]
 fn a_missing_simulator_is_named() {
     for (variable, simulator) in [
         ("STEPWELL_VERILATOR", "verilator"),

@@ -33,6 +33,7 @@ use crate::netlist::{Builder, Meaning, Wire};
 
 pub use configuration::{Multiplier, OperatorConfiguration, Radix, Structure};
 pub use fixed::{FixedConfiguration, FixedOperator};
+pub(crate) use stream::CORE_INSTANCE;
 pub use stream::stream_unit;
 
 /// The widest fraction the operators take: a product of two significands must fit a word.

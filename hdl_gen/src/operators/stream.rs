@@ -5,6 +5,9 @@ use std::sync::Arc;
 use crate::netlist::{Builder, Meaning, Module};
 use crate::pipeline::ENABLE;
 
+/// The name that the pipelined core has as an instance in its [`stream_unit`].
+pub(crate) const CORE_INSTANCE: &str = "core";
+
 /// Wraps a pipelined core as a stream unit `<core>_unit`: `valid_i`, `ready_o` and the core's
 /// inputs on one side, `valid_o`, `ready_i` and its outputs on the other. A transfer happens on a
 /// side in a cycle in which its valid and ready are both 1.
@@ -73,7 +76,7 @@ pub fn stream_unit(core: &Arc<Module>) -> Arc<Module> {
         .into_iter()
         .map(|input| input.unwrap_or(advance))
         .collect();
-    let results = builder.instance("core", core, &inputs);
+    let results = builder.instance(CORE_INSTANCE, core, &inputs);
     builder.output("ready_o", advance);
     builder.output("valid_o", last_is_valid);
     for (&result, (name, wire)) in results.iter().zip(&core.outputs) {

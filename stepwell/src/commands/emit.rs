@@ -5,21 +5,19 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use hdl_gen::datapath::OperatorLatencies;
-use hdl_gen::digest::netlist_digest;
-use hdl_gen::operators::OperatorConfiguration;
+use hdl_gen::digest::{core_digest, netlist_digest};
 use hdl_gen::package::{Package, package_operator, package_scene, package_step};
 use hdl_gen::verify::random_rays;
-use rtl_model::float::Rounding;
 use rtl_model::maps::Pyramid;
 
 use super::Outcome;
 use super::verify::unit_map::unit_map;
+use crate::operator_options::OperatorOptions;
 use crate::options::{AnswerOptions, Replacements};
 use crate::output::OutputFolder;
-use crate::summary::{json, table};
+use crate::summary::{json, netlist_row, table};
 use crate::terminal;
-use crate::units::{float_format, named_operator};
+use crate::units::float_format;
 
 /// Verilog, vectors and a self-checking testbench of a scene or of one unit
 ///
@@ -47,18 +45,8 @@ pub struct Arguments {
     #[command(flatten)]
     replacements: Replacements,
 
-    /// Of an operator: rne, rtz, rup or rdn
-    #[arg(
-        long,
-        value_name = "ROUNDING",
-        default_value = "rne",
-        requires = "unit"
-    )]
-    rounding: Rounding,
-
-    /// Of an operator: its cycles; the paper's budget unless told
-    #[arg(long, value_name = "CYCLES", requires = "unit", value_parser = clap::value_parser!(u32).range(1..=32))]
-    latency: Option<u32>,
+    #[command(flatten)]
+    operator: OperatorOptions,
 
     /// Of a unit: random operand sets beside the special ones, or random rays to take steps from
     #[arg(long, value_name = "N", default_value_t = 1000, requires = "unit")]
@@ -82,6 +70,7 @@ struct Summary {
     unit: String,
     modules: Vec<String>,
     netlist_digest: String,
+    core_digest: Option<String>,
     testbench: String,
     vectors: usize,
     folder: PathBuf,
@@ -93,8 +82,14 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     let mut package = None;
     folder.publish(|folder| {
         package = Some(match (&arguments.scene, arguments.unit.as_deref()) {
-            (Some(scene), _) => package_scene(&arguments.replacements.load(scene)?, folder)?,
-            (None, Some("traverse_step")) => step(&arguments, folder)?,
+            (Some(scene), _) => {
+                arguments.operator.none_for("a scene")?;
+                package_scene(&arguments.replacements.load(scene)?, folder)?
+            }
+            (None, Some(unit @ "traverse_step")) => {
+                arguments.operator.none_for(unit)?;
+                step(&arguments, folder)?
+            }
             (None, Some(unit)) => operator(&arguments, unit, folder)?,
             (None, None) => anyhow::bail!("a scene file or --unit is needed"),
         });
@@ -109,6 +104,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
         unit: package.top.name.clone(),
         modules: modules.iter().map(|module| module.name.clone()).collect(),
         netlist_digest: netlist_digest(&package.top),
+        core_digest: core_digest(&package.top),
         testbench: package.testbench,
         vectors: package.vectors,
         folder: arguments.output,
@@ -119,7 +115,10 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
         let folder = &summary.folder;
         table(&[
             ("unit", summary.unit.clone()),
-            ("netlist", summary.netlist_digest.clone()),
+            (
+                "netlist",
+                netlist_row(&summary.netlist_digest, summary.core_digest.as_deref()),
+            ),
             (
                 "verilog",
                 format!(
@@ -148,16 +147,11 @@ fn operator(
     name: &str,
     folder: &std::path::Path,
 ) -> anyhow::Result<Package> {
-    let kind = named_operator(name)?;
     let format = float_format(arguments.replacements.format)?;
-    kind.check(format)?;
-    let latency = arguments
-        .latency
-        .unwrap_or(OperatorLatencies::PAPER.of_operator(kind));
-    let choice = OperatorConfiguration::new(kind, format, arguments.rounding);
+    let chosen = arguments.operator.choose(name, format)?;
     Ok(package_operator(
-        choice,
-        latency,
+        chosen.configuration,
+        chosen.latency,
         arguments.vectors,
         arguments.seed,
         folder,

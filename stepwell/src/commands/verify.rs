@@ -15,6 +15,7 @@ use clap::Args;
 use hdl_gen::verify::SimulatorChoice;
 
 use super::Outcome;
+use crate::operator_options::OperatorOptions;
 use crate::options::{AnswerOptions, Replacements};
 
 /// The Verilog against the golden model: every output, every register, every cycle
@@ -48,18 +49,8 @@ pub struct Arguments {
     #[arg(long, value_name = "SIMULATOR", default_value = "auto")]
     sim: SimulatorChoice,
 
-    /// Of an operator: rne, rtz, rup or rdn
-    #[arg(
-        long,
-        value_name = "ROUNDING",
-        default_value = "rne",
-        requires = "unit"
-    )]
-    rounding: rtl_model::float::Rounding,
-
-    /// Of an operator: its cycles; the paper's budget unless told
-    #[arg(long, value_name = "CYCLES", requires = "unit", value_parser = clap::value_parser!(u32).range(1..=32))]
-    latency: Option<u32>,
+    #[command(flatten)]
+    operator: OperatorOptions,
 
     /// Of a unit: operand sets or random rays to send; small formats are tried on every operand pair
     #[arg(long, value_name = "N", requires = "unit", value_parser = clap::value_parser!(u64).range(1..))]
@@ -133,9 +124,16 @@ impl FromStr for Fault {
 
 /// Verifies the scene or the unit.
 pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
-    match (&arguments.scene, &arguments.unit) {
-        (Some(scene), _) => scene::verify(&arguments, scene),
-        (None, Some(unit)) if unit == "traverse" => scene::verify_random(&arguments),
+    let options = &arguments.operator;
+    match (&arguments.scene, arguments.unit.as_deref()) {
+        (Some(scene), _) => {
+            options.none_for("a scene")?;
+            scene::verify(&arguments, scene)
+        }
+        (None, Some(unit @ "traverse")) => {
+            options.none_for(unit)?;
+            scene::verify_random(&arguments)
+        }
         (None, Some(unit)) => operator::verify(&arguments, unit),
         (None, None) => anyhow::bail!("a scene file or --unit is needed"),
     }

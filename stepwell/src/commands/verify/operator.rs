@@ -7,7 +7,7 @@ use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::emit::write_design;
 use hdl_gen::fault::plant;
 use hdl_gen::netlist::Module;
-use hdl_gen::operators::{FloatOperator, OperatorConfiguration, stream_unit};
+use hdl_gen::operators::{FloatOperator, stream_unit};
 use hdl_gen::units::{UnitConfiguration, build_step_unit};
 use hdl_gen::vectors::{Role, idle_step_results, step_vectors};
 use hdl_gen::verify::{FoundSimulator, OperandSets, StreamRun, VectorSource, random_rays};
@@ -19,9 +19,10 @@ use rtl_model::units::traverse::shape_for;
 use super::summary::{Finished, SignalFacts, Summary};
 use super::unit_map::unit_map;
 use super::{Arguments, Outcome};
+use crate::operator_options::ChosenOperator;
 use crate::output::OutputFolder;
 use crate::progress;
-use crate::units::{float_format, named_operator};
+use crate::units::float_format;
 
 /// Operand sets sent where nothing is said: what runs in a few seconds.
 const DEFAULT_VECTORS: u64 = 1_000_000;
@@ -45,7 +46,10 @@ struct Subject {
 pub fn verify(arguments: &Arguments, name: &str) -> anyhow::Result<Outcome> {
     let simulator = arguments.sim.find()?;
     let mut subject = match name {
-        "traverse_step" => step(arguments)?,
+        "traverse_step" => {
+            arguments.operator.none_for(name)?;
+            step(arguments)?
+        }
         _ => operator(arguments, name, &simulator)?,
     };
     let folder = arguments
@@ -120,31 +124,29 @@ fn operator(
     name: &str,
     simulator: &FoundSimulator,
 ) -> anyhow::Result<Subject> {
-    let operator = named_operator(name)?;
     let format = float_format(arguments.replacements.format)?;
-    operator.check(format)?;
-    let rounding = arguments.rounding;
-    let latency = arguments
-        .latency
-        .unwrap_or(OperatorLatencies::PAPER.of_operator(operator));
+    let ChosenOperator {
+        configuration,
+        latency,
+    } = arguments.operator.choose(name, format)?;
     let default_vectors = match simulator {
         FoundSimulator::Verilator(_) => DEFAULT_VECTORS,
         FoundSimulator::Icarus(_) => DEFAULT_VECTORS_ICARUS,
         FoundSimulator::Embedded => DEFAULT_VECTORS_EMBEDDED,
     };
     let count = arguments.vectors.unwrap_or(default_vectors);
-    let sets = OperandSets::new(operator, format, count, arguments.seed);
+    let sets = OperandSets::new(configuration.operator, format, count, arguments.seed);
     let mut idle_results = Vec::new();
-    operator.golden_results(format, rounding, &vec![0; sets.width()], &mut idle_results);
+    configuration.golden_results(&vec![0; sets.width()], &mut idle_results);
     Ok(Subject {
-        unit: stream_unit(&OperatorConfiguration::new(operator, format, rounding).build(latency)),
+        unit: stream_unit(&configuration.build(latency)),
         format,
         count: sets.count(),
         exhaustive: sets.is_exhaustive(),
         idle_results,
         vectors: Box::new(move |k, operands, results| {
             sets.set(k, operands);
-            operator.golden_results(format, rounding, operands, results);
+            configuration.golden_results(operands, results);
         }),
         map: None,
     })

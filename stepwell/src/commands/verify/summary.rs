@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use hdl_gen::digest::netlist_digest;
+use hdl_gen::digest::{core_digest, netlist_digest};
 use hdl_gen::netlist::{Meaning, Module};
 use hdl_gen::verify::{Comparison, FoundSimulator, decoded_value, units_in_the_last_place};
 
 use super::Arguments;
 use crate::commands::Outcome;
-use crate::summary::{json, table};
+use crate::summary::{json, netlist_row, table};
 use crate::terminal;
 
 /// The JSON of a verification.
@@ -36,7 +36,10 @@ pub struct Summary {
     pub seconds: f64,
     /// Of building the hardware before it.
     pub build_seconds: f64,
+    /// Of the unit that ran.
     pub netlist_digest: String,
+    /// Of the operator inside it, behind the handshakes.
+    pub core_digest: Option<String>,
     pub planted_fault: Option<String>,
     pub seed: u64,
     pub first_divergence: Vec<DecodedDivergence>,
@@ -154,6 +157,7 @@ impl Summary {
             seconds: run.seconds,
             build_seconds: run.build_seconds,
             netlist_digest: netlist_digest(run.unit),
+            core_digest: core_digest(run.unit),
             planted_fault: planted.map(|fault| format!("{}:{}", fault.signal, fault.bit)),
             seed: arguments.seed,
             first_divergence: decode(&comparison, &run.signals),
@@ -215,7 +219,10 @@ impl Summary {
             ),
             ("mismatches", self.mismatches.to_string()),
             ("guards", self.guards.to_string()),
-            ("netlist", self.netlist_digest.clone()),
+            (
+                "netlist",
+                netlist_row(&self.netlist_digest, self.core_digest.as_deref()),
+            ),
             (
                 "time",
                 format!(
