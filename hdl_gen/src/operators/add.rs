@@ -1,14 +1,15 @@
 //! Addition and subtraction.
 
-use rtl_model::float::Rounding;
+use rtl_model::float::{FloatFormat, Policy, Rounding};
 
 use super::OperatorConfiguration;
-use super::round::{
-    Answer, Small, Tail, Unrounded, exponent_constant, exponent_width, needs_tail, round,
+use super::normalise::{normalise_down_to, normalise_sum};
+use super::round::{Answer, Small, Tail, Unrounded, exponent_width, needs_tail, round};
+use super::shift::{rows, shift_right};
+use super::unpack::{
+    Fields, effective_exponent, exponent_nonzero, fields, is_signalling, is_special, magnitude,
 };
-use super::shift::{leading_zeros, shift_right};
-use super::unpack::{fields, is_special, is_zero, magnitude};
-use crate::netlist::Builder;
+use crate::netlist::{Builder, Wire};
 
 /// Bits below the smaller significand that are kept exactly when it is aligned: guard and round.
 /// One bit of cancellation moves the round bit into the guard's place; after more than one the
@@ -22,7 +23,10 @@ pub(super) fn add(
     subtract: bool,
 ) -> Answer {
     let OperatorConfiguration {
-        format, rounding, ..
+        format,
+        rounding,
+        policy,
+        ..
     } = configuration;
     let fraction_bits = format.fraction_bits;
     let aligned_bits = 1 + fraction_bits + ALIGNED_BITS_BELOW;
@@ -37,15 +41,22 @@ pub(super) fn add(
         sum_bits.into(),
         "the aligned bits, a carry above and the sticky bit below",
     );
-    // The sum is below 4 times the larger operand's hidden bit, and cancels down to its last bit.
     let largest_field = i64::try_from(format.exponent_all_ones() - 1).expect("11 bits at most");
-    let exponent_range = 2 - i64::from(sum_bits)..=largest_field + 1;
+    // The sum is below 4 times the larger operand's hidden bit. It cancels down to its last bit, or
+    // to exponent 0 where that is encoded.
+    let (smallest, reason) = match policy {
+        Policy::Flush => (
+            2 - i64::from(sum_bits),
+            "a two's complement exponent from full cancellation of the smallest to a carry of the largest",
+        ),
+        Policy::Full => (
+            0,
+            "the exponent field, and a bit for two carries of the largest",
+        ),
+    };
+    let exponent_range = smallest..=largest_field + 1;
     let exponent_word_bits = exponent_width(format, &exponent_range);
-    builder.localparam(
-        "EXPONENT_BITS",
-        exponent_word_bits.into(),
-        "a two's complement exponent from full cancellation of the smallest to a carry of the largest",
-    );
+    builder.localparam("EXPONENT_BITS", exponent_word_bits.into(), reason);
 
     let a_i = builder.input("a_i", format.width());
     let b_i = builder.input("b_i", format.width());
@@ -59,13 +70,17 @@ pub(super) fn add(
     }
     let effective_subtraction = builder.xor(a.sign, b.sign);
     builder.name(effective_subtraction, "effective_subtraction");
-    let a_is_zero = is_zero(builder, &a, "a");
-    let b_is_zero = is_zero(builder, &b, "b");
+    let a_exponent_nonzero = exponent_nonzero(builder, &a, "a");
+    let b_exponent_nonzero = exponent_nonzero(builder, &b, "b");
 
     builder.section("order by magnitude");
     let a_magnitude = magnitude(builder, format, a_i, "a");
     let b_magnitude = magnitude(builder, format, b_i, "b");
-    let b_is_larger = builder.less_than(a_magnitude, b_magnitude);
+    let a_wide = builder.zero_extend(a_magnitude, format.width());
+    let b_wide = builder.zero_extend(b_magnitude, format.width());
+    let difference = builder.subtract(a_wide, b_wide);
+    builder.name(difference, "magnitude_difference");
+    let b_is_larger = builder.bit(difference, format.width() - 1);
     builder.name(b_is_larger, "b_is_larger");
     let larger_sign = builder.mux(b_is_larger, b.sign, a.sign);
     builder.name(larger_sign, "larger_sign");
@@ -75,85 +90,124 @@ pub(super) fn add(
     builder.name(larger_fraction, "larger_fraction");
     let smaller_fraction = builder.mux(b_is_larger, a.fraction, b.fraction);
     builder.name(smaller_fraction, "smaller_fraction");
-    // Complemented here and not at the adder: this selector has an input to spare, and ones are as
-    // good as zeros to shift in.
-    let complement = builder.sign_extend(effective_subtraction, fraction_bits);
-    let addend_fraction = builder.xor(smaller_fraction, complement);
-    builder.name(addend_fraction, "addend_fraction");
-    // A zero operand is always the smaller one.
-    let smaller_is_zero = builder.or(a_is_zero, b_is_zero);
-    builder.name(smaller_is_zero, "smaller_is_zero");
-    let both_are_zero = builder.and(a_is_zero, b_is_zero);
-    builder.name(both_are_zero, "both_are_zero");
+    // What has exponent field 0 is never larger than what has another.
+    let smaller_exponent_nonzero = builder.and(a_exponent_nonzero, b_exponent_nonzero);
+    builder.name(smaller_exponent_nonzero, "smaller_exponent_nonzero");
+    let larger_exponent_nonzero = builder.or(a_exponent_nonzero, b_exponent_nonzero);
+    builder.name(larger_exponent_nonzero, "larger_exponent_nonzero");
 
     builder.section("align the smaller to the larger");
-    // Both differences beside the comparison are faster than one behind it.
-    let a_minus_b = builder.subtract(a.exponent, b.exponent);
-    builder.name(a_minus_b, "exponent_a_minus_b");
-    let b_minus_a = builder.subtract(b.exponent, a.exponent);
-    builder.name(b_minus_a, "exponent_b_minus_a");
-    let exponent_difference = builder.mux(b_is_larger, b_minus_a, a_minus_b);
-    builder.name(exponent_difference, "exponent_difference");
-    let hidden = builder.not(effective_subtraction); // a one, complemented
-    let below = builder.sign_extend(effective_subtraction, ALIGNED_BITS_BELOW);
-    let addend = builder.concat(&[hidden, addend_fraction, below]);
-    let aligned = shift_right(
-        builder,
-        addend,
-        exponent_difference,
-        effective_subtraction,
-        ALIGNED_BITS_BELOW,
-        "addend",
-    );
-    // A zero is treated as one that is out of reach and leaves nothing behind.
-    let mut is_gone = smaller_is_zero;
+    let distance = match policy {
+        Policy::Flush => distance_by_magnitudes(
+            builder,
+            format,
+            aligned_bits,
+            &a,
+            &b,
+            difference,
+            b_is_larger,
+        ),
+        Policy::Full => {
+            let a_exponent = effective_exponent(builder, &a, a_exponent_nonzero, "a");
+            let b_exponent = effective_exponent(builder, &b, b_exponent_nonzero, "b");
+            // Both differences beside the comparison are faster than one behind it.
+            let a_minus_b = builder.subtract(a_exponent, b_exponent);
+            builder.name(a_minus_b, "exponent_a_minus_b");
+            let b_minus_a = builder.subtract(b_exponent, a_exponent);
+            builder.name(b_minus_a, "exponent_b_minus_a");
+            let distance = builder.mux(b_is_larger, b_minus_a, a_minus_b);
+            builder.name(distance, "exponent_distance")
+        }
+    };
+    let smaller_hidden = match policy {
+        Policy::Flush => builder.constant(1, 1),
+        Policy::Full => smaller_exponent_nonzero,
+    };
+    let below = builder.constant(0, ALIGNED_BITS_BELOW);
+    let addend = builder.concat(&[smaller_hidden, smaller_fraction, below]);
+    let aligned = shift_right(builder, addend, distance, ALIGNED_BITS_BELOW, "addend");
+    let smaller_is_nonzero = match policy {
+        Policy::Flush => smaller_exponent_nonzero,
+        Policy::Full => {
+            let fraction_nonzero = builder.any_bit(smaller_fraction);
+            builder.or(smaller_exponent_nonzero, fraction_nonzero)
+        }
+    };
+    builder.name(smaller_is_nonzero, "smaller_is_nonzero");
+    // A flushed zero is treated as one that is out of reach and leaves nothing behind.
+    let mut is_gone = (policy == Policy::Flush).then(|| builder.not(smaller_is_nonzero));
     let mut is_inexact = aligned.lost;
     if let Some(out_of_reach) = aligned.out_of_reach {
-        is_gone = builder.or(is_gone, out_of_reach);
+        is_gone = Some(match is_gone {
+            Some(is_zero) => builder.or(is_zero, out_of_reach),
+            None => out_of_reach,
+        });
         is_inexact = builder.or(is_inexact, out_of_reach);
     }
-    builder.name(is_gone, "addend_is_gone");
-    builder.name(is_inexact, "addend_is_inexact");
-    let nothing = builder.sign_extend(effective_subtraction, aligned_bits);
-    let aligned = builder.mux(is_gone, nothing, aligned.word);
+    let mut aligned = aligned.word;
+    if let Some(is_gone) = is_gone {
+        builder.name(is_gone, "addend_is_gone");
+        let nothing = builder.constant(0, aligned_bits);
+        aligned = builder.mux(is_gone, nothing, aligned);
+    }
     builder.name(aligned, "addend_aligned");
-    let smaller_is_nonzero = builder.not(smaller_is_zero);
+    builder.name(is_inexact, "addend_is_inexact");
     let sticky_bit = builder.and(is_inexact, smaller_is_nonzero);
     builder.name(sticky_bit, "sticky_bit");
 
     builder.section("add the significands");
     // The lowest place holds the sticky bit and lets the complement's carry in: a subtraction
     // carries there unless the sticky bit borrows it, and the sticky bit remains as the sum's.
+    let larger_hidden = match policy {
+        Policy::Flush => builder.constant(1, 1),
+        Policy::Full => larger_exponent_nonzero,
+    };
     let zero = builder.constant(0, 1);
-    let hidden = builder.constant(1, 1);
-    let below = builder.constant(0, ALIGNED_BITS_BELOW);
-    let larger_significand =
-        builder.concat(&[zero, hidden, larger_fraction, below, effective_subtraction]);
-    let sticky_place = builder.xor(sticky_bit, effective_subtraction);
-    builder.name(sticky_place, "sticky_place");
-    let addend_significand = builder.concat(&[effective_subtraction, aligned, sticky_place]);
+    let larger_significand = builder.concat(&[
+        zero,
+        larger_hidden,
+        larger_fraction,
+        below,
+        effective_subtraction,
+    ]);
+    let addend_significand = builder.concat(&[zero, aligned, sticky_bit]);
+    let complement = builder.sign_extend(effective_subtraction, sum_bits);
+    let addend_significand = builder.xor(addend_significand, complement);
+    builder.name(addend_significand, "addend_complemented");
     let significand_sum = builder.add(larger_significand, addend_significand);
     builder.name(significand_sum, "significand_sum");
 
     builder.section("normalise");
-    let zeros = leading_zeros(builder, significand_sum, "sum");
-    // The leading one itself is not needed any more.
-    let sum_below = builder.slice(significand_sum, sum_bits - 2, 0);
-    let normalised_sum = builder.shift_left(sum_below, zeros.count);
-    builder.name(normalised_sum, "normalised_sum");
-    let wide_exponent = builder.zero_extend(larger_exponent, exponent_word_bits);
-    let wide_count = builder.zero_extend(zeros.count, exponent_word_bits);
-    let exponent = builder.subtract(wide_exponent, wide_count);
-    builder.name(exponent, "sum_exponent");
-    // A carry out leaves no leading zero, and is one place above the larger operand's one.
-    let adjustment = exponent_constant(builder, 1, exponent_word_bits);
-    let fraction_low = sum_bits - 1 - fraction_bits;
-    let fraction = builder.slice(normalised_sum, sum_bits - 2, fraction_low);
+    // The sticky bit stays where it is: it is 0 where the sum moves by two places or more.
+    let sticky_bit = builder.bit(significand_sum, 0);
+    let exact_sum = builder.slice(significand_sum, sum_bits - 1, 1);
+    let kept = 1 + fraction_bits + if needs_tail(configuration) { 3 } else { 0 };
+    let normalised = match policy {
+        Policy::Flush => normalise_sum(
+            builder,
+            exact_sum,
+            larger_exponent,
+            exponent_word_bits,
+            kept,
+        ),
+        Policy::Full => {
+            let exponent_zero = builder.not(larger_exponent_nonzero);
+            let exponent_low = builder.bit(larger_exponent, 0);
+            let exponent_low = builder.or(exponent_low, exponent_zero);
+            let exponent_high = builder.slice(larger_exponent, format.exponent_bits - 1, 1);
+            let exponent = builder.concat(&[exponent_high, exponent_low]);
+            builder.name(exponent, "larger_effective_exponent");
+            normalise_down_to(builder, exact_sum, exponent, exponent_word_bits)
+        }
+    };
+    let top = builder.width(normalised.word) - 1;
+    let fraction = builder.slice(normalised.word, top - 1, top - fraction_bits);
     builder.name(fraction, "sum_fraction");
     let tail = needs_tail(configuration).then(|| {
-        let guard = builder.bit(normalised_sum, fraction_low - 1);
+        let guard = builder.bit(normalised.word, 2);
         builder.name(guard, "guard_bit");
-        let below_guard = builder.slice(normalised_sum, fraction_low - 2, 0);
+        let below_guard = builder.slice(normalised.word, 1, 0);
+        let below_guard = builder.concat(&[below_guard, sticky_bit]);
         let sticky = builder.any_bit(below_guard);
         builder.name(sticky, "sum_sticky_bit");
         Tail {
@@ -163,10 +217,13 @@ pub(super) fn add(
     });
 
     builder.section("special cases");
-    let sum_is_zero = builder.not(zeros.any);
-    builder.name(sum_is_zero, "sum_is_zero");
-    let is_zero = builder.or(both_are_zero, sum_is_zero);
-    builder.name(is_zero, "is_zero");
+    let mut is_zero = builder.not(normalised.any);
+    builder.name(is_zero, "sum_is_zero");
+    if policy == Policy::Flush {
+        let both_are_zero = builder.not(larger_exponent_nonzero);
+        is_zero = builder.or(both_are_zero, is_zero);
+        builder.name(is_zero, "is_zero");
+    }
     let cancelled = builder.and(is_zero, effective_subtraction);
     builder.name(cancelled, "cancelled");
     // An exact zero of operands of different signs is +0, or -0 where the rounding is down.
@@ -180,35 +237,94 @@ pub(super) fn add(
     // Infinities and NaNs are the largest magnitudes, and the NaNs the larger of these.
     let a_is_special = is_special(builder, &a, "a");
     let b_is_special = is_special(builder, &b, "b");
-    let is_special = builder.or(a_is_special, b_is_special);
-    builder.name(is_special, "is_special");
+    let either_is_special = builder.or(a_is_special, b_is_special);
+    builder.name(either_is_special, "is_special");
     let both_are_special = builder.and(a_is_special, b_is_special);
     builder.name(both_are_special, "both_are_special");
-    let infinities_differ = builder.and(both_are_special, effective_subtraction);
-    builder.name(infinities_differ, "infinities_differ");
+    let both_differ = builder.and(both_are_special, effective_subtraction);
+    builder.name(both_differ, "specials_differ_in_sign");
     let fraction_nonzero = builder.any_bit(larger_fraction);
     builder.name(fraction_nonzero, "larger_fraction_nonzero");
-    let invalid = builder.or(fraction_nonzero, infinities_differ);
-    builder.name(invalid, "invalid");
-    let is_nan = builder.and(is_special, invalid);
+    let no_number = builder.or(fraction_nonzero, both_differ);
+    builder.name(no_number, "no_number");
+    let is_nan = builder.and(either_is_special, no_number);
     builder.name(is_nan, "is_nan");
+    let is_invalid = configuration.has_flags.then(|| {
+        // With two infinities neither is a NaN.
+        let fraction_zero = builder.not(fraction_nonzero);
+        let infinities_differ = builder.and(both_differ, fraction_zero);
+        builder.name(infinities_differ, "infinities_differ");
+        let signalling = [(&a, a_is_special, "a"), (&b, b_is_special, "b")];
+        let [a_signals, b_signals] = signalling
+            .map(|(operand, special, name)| is_signalling(builder, operand, special, name));
+        let any_signals = builder.or(a_signals, b_signals);
+        builder.or(any_signals, infinities_differ)
+    });
 
     round(
         builder,
         configuration,
         &Unrounded {
             sign,
-            exponent,
-            adjustment,
+            exponent: normalised.exponent,
+            adjustment: normalised.adjustment,
             exponent_range,
             fraction,
             tail,
             is_nan: Some(is_nan),
-            is_infinity: Some(is_special),
+            is_infinity: Some(either_is_special),
             is_zero: Some(is_zero),
-            is_invalid: None,
+            is_invalid,
             divides_by_zero: None,
-            small: Small::Normalised,
+            small: match policy {
+                Policy::Flush => Small::Normalised,
+                // A sum of numbers is a multiple of the smallest: below the normal ones it is exact.
+                Policy::Full => Small::Encoded { underflow: None },
+            },
         },
     )
+}
+
+/// The distance of the exponents, from the difference of the magnitudes, whose upper bits are the
+/// difference of the exponents but for a borrow from the fractions. Where `b` is larger their
+/// complement is one short of the distance if there was no borrow, else they are if there was one;
+/// the lowest bit tells, for it must be the parity of the exponents.
+fn distance_by_magnitudes(
+    builder: &mut Builder,
+    format: FloatFormat,
+    aligned_bits: u32,
+    a: &Fields,
+    b: &Fields,
+    difference: Wire,
+    b_is_larger: Wire,
+) -> Wire {
+    let (exponent_bits, fraction_bits) = (format.exponent_bits, format.fraction_bits);
+    let upper = builder.slice(difference, format.width() - 2, fraction_bits);
+    let complement = builder.sign_extend(b_is_larger, exponent_bits);
+    let nearly = builder.xor(upper, complement);
+    builder.name(nearly, "distance_or_one_less");
+    let a_low = builder.bit(a.exponent, 0);
+    let b_low = builder.bit(b.exponent, 0);
+    let parity = builder.xor(a_low, b_low);
+    builder.name(parity, "distance_is_odd");
+    let is_even = builder.not(parity);
+    let top_row = rows(aligned_bits) - 1;
+    // Carries by gates: a chain of so few bits takes longer.
+    let low = builder.bit(nearly, 0);
+    let mut carry = builder.and(low, is_even);
+    let mut bits = vec![parity];
+    for place in 1..exponent_bits {
+        builder.name(carry, format!("distance_carry_{place}"));
+        let bit = builder.bit(nearly, place);
+        bits.push(if place < top_row {
+            builder.xor(bit, carry)
+        } else {
+            // Where both are set the distance is out of reach, whatever the bit.
+            builder.or(bit, carry)
+        });
+        carry = builder.and(carry, bit);
+    }
+    bits.reverse();
+    let distance = builder.concat(&bits);
+    builder.name(distance, "exponent_distance")
 }

@@ -42,8 +42,7 @@ pub(super) fn denormalise(
         None => builder.constant(0, 1),
     };
     let significand = builder.concat(&[hidden, exact.fraction, guard]);
-    let fill = builder.constant(0, 1);
-    let shifted = shift_right(builder, significand, amount, fill, 0, "denormal");
+    let shifted = shift_right(builder, significand, amount, 0, "denormal");
     let (mut word, mut lost) = (shifted.word, shifted.lost);
     if let Some(out_of_reach) = shifted.out_of_reach {
         let nothing = builder.constant(0, fraction_bits + 2);
@@ -51,7 +50,7 @@ pub(super) fn denormalise(
         lost = builder.or(lost, out_of_reach);
     }
     builder.name(word, "denormal_significand");
-    builder.name(lost, "denormal_lost");
+    builder.name(lost, "lost_by_denormalising");
     let fraction = builder.slice(word, fraction_bits, 1);
     let exponent_range = 0..=*exact.exponent_range.end();
     let exponent_bits = exponent_width(configuration.format, &exponent_range);

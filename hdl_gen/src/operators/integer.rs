@@ -156,8 +156,7 @@ pub(super) fn to_integer(
     let too_large = builder.bit(difference, difference_bits - 1);
     builder.name(too_large, "too_large");
     let amount = builder.slice(difference, difference_bits - 2, 0);
-    let zero = builder.constant(0, 1);
-    let shifted = shift_right(builder, significand, amount, zero, padding, "significand");
+    let shifted = shift_right(builder, significand, amount, padding, "significand");
     let mut is_gone = a_is.is_zero;
     let mut is_inexact = shifted.lost;
     if let Some(out_of_reach) = shifted.out_of_reach {

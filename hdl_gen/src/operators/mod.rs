@@ -21,6 +21,7 @@ mod golden;
 mod height;
 mod integer;
 mod multiply;
+mod normalise;
 mod pack;
 mod round;
 mod shift;

@@ -75,28 +75,31 @@ fn count_run(
 pub(super) struct Shifted {
     /// The word, as wide as before.
     pub word: Wire,
-    /// Did any bit that left it differ from the fill bit?
+    /// Was any bit that left it a 1?
     pub lost: Wire,
     /// Is the amount beyond the reach of the rows, so that `word` and `lost` say nothing and the
     /// whole word is gone? None where the amount has no such bits.
     pub out_of_reach: Option<Wire>,
 }
 
-/// Shifts right by `amount`, `fill` coming in at the top, in rows of selectors by 1, 2, 4, ...:
-/// the low bits of the amount, which a carry chain delivers first, are used first, and each row
-/// looks only at the bits it loses, which is less than half of what masking the word would cost.
-/// The lowest `padding` bits of the word are known to equal `fill`.
+/// Rows of a shifter up to the one that, with all before it, can move the whole word out.
+pub(super) fn rows(width: u32) -> u32 {
+    u32::BITS - (width - 1).leading_zeros()
+}
+
+/// Shifts right by `amount`, zeros coming in at the top, in rows of selectors by 1, 2, 4, ...: the
+/// low bits of the amount, which are known first, are used first, and each row looks only at the
+/// bits it loses, which is less than half of what masking the word would cost. The lowest `padding`
+/// bits of the word are known to be zeros.
 pub(super) fn shift_right(
     builder: &mut Builder,
     word: Wire,
     amount: Wire,
-    fill: Wire,
     padding: u32,
     name: &str,
 ) -> Shifted {
     let (width, amount_bits) = (builder.width(word), builder.width(amount));
-    // Rows up to the one that, with all before it, can move the whole word out.
-    let rows = amount_bits.min(u32::BITS - (width - 1).leading_zeros());
+    let rows = amount_bits.min(rows(width));
     let mut moved = word;
     let mut losses = Vec::new();
     for row in 0..rows {
@@ -106,20 +109,17 @@ pub(super) fn shift_right(
         let lost_from = padding.saturating_sub(before);
         if lost_from < step {
             let leaving = builder.slice(moved, step.min(width) - 1, lost_from);
-            let fills = builder.sign_extend(fill, step.min(width) - lost_from);
-            let differs = builder.xor(leaving, fills);
-            builder.name(differs, format!("{name}_differing_by_{step}"));
-            let any = builder.any_bit(differs);
+            let any = builder.any_bit(leaving);
             builder.name(any, format!("{name}_leaving_by_{step}"));
             let lost = builder.and(select, any);
             losses.push(builder.name(lost, format!("{name}_lost_by_{step}")));
         }
-        let fills = builder.sign_extend(fill, step.min(width));
+        let zeros = builder.constant(0, step.min(width));
         let shifted = if step < width {
             let kept = builder.slice(moved, width - 1, step);
-            builder.concat(&[fills, kept])
+            builder.concat(&[zeros, kept])
         } else {
-            fills
+            zeros
         };
         moved = builder.mux(select, shifted, moved);
         builder.name(moved, format!("{name}_after_{step}"));

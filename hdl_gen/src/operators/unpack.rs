@@ -33,10 +33,16 @@ pub(super) fn fields(
     }
 }
 
+/// Has it an exponent field other than 0? What has not is a zero under the policy flush, and a zero
+/// or a subnormal number under full.
+pub(super) fn exponent_nonzero(builder: &mut Builder, operand: &Fields, name: &str) -> Wire {
+    let exponent_nonzero = builder.any_bit(operand.exponent);
+    builder.name(exponent_nonzero, format!("{name}_exponent_nonzero"))
+}
+
 /// Is it a zero of either sign? Under the flush policy every operand with exponent field 0 is.
 pub(super) fn is_zero(builder: &mut Builder, operand: &Fields, name: &str) -> Wire {
-    let exponent_nonzero = builder.any_bit(operand.exponent);
-    builder.name(exponent_nonzero, format!("{name}_exponent_nonzero"));
+    let exponent_nonzero = exponent_nonzero(builder, operand, name);
     let is_zero = builder.not(exponent_nonzero);
     builder.name(is_zero, format!("{name}_is_zero"))
 }
@@ -64,8 +70,7 @@ pub(super) fn classify(
     operand: &Fields,
     name: &str,
 ) -> Class {
-    let exponent_nonzero = builder.any_bit(operand.exponent);
-    builder.name(exponent_nonzero, format!("{name}_exponent_nonzero"));
+    let exponent_nonzero = exponent_nonzero(builder, operand, name);
     let is_special = is_special(builder, operand, name);
     let fraction_nonzero = builder.any_bit(operand.fraction);
     builder.name(fraction_nonzero, format!("{name}_fraction_nonzero"));
@@ -85,17 +90,20 @@ pub(super) fn classify(
     }
 }
 
-/// Is this NaN a signalling one: is the first bit of its fraction 0?
+/// Is it a signalling NaN: a special pattern whose fraction begins with 0 and is not 0?
 pub(super) fn is_signalling(
     builder: &mut Builder,
     operand: &Fields,
-    is_nan: Wire,
+    is_special: Wire,
     name: &str,
 ) -> Wire {
     let top = builder.width(operand.fraction) - 1;
     let quiet = builder.bit(operand.fraction, top);
+    let below = builder.slice(operand.fraction, top - 1, 0);
+    let below_nonzero = builder.any_bit(below);
     let not_quiet = builder.not(quiet);
-    let is_signalling = builder.and(is_nan, not_quiet);
+    let would_signal = builder.and(below_nonzero, not_quiet);
+    let is_signalling = builder.and(is_special, would_signal);
     builder.name(is_signalling, format!("{name}_is_signalling"))
 }
 
