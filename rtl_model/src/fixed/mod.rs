@@ -24,6 +24,7 @@
 //! [`Overflow::Wrap`] was asked for. `docs/fixed_point.md` has every rule in tables.
 
 mod arithmetic;
+mod float;
 mod format;
 mod number;
 mod order;
