@@ -5,10 +5,11 @@ mod bench;
 
 use bench::{Bench, Mismatch, Random};
 use hdl_gen::fault::plant;
+use hdl_gen::netlist::Meaning;
 use hdl_gen::operators::{FixedConfiguration, FixedOperator};
 use rayon::prelude::*;
 use rtl_model::fixed::{FixedFormat, Overflow};
-use rtl_model::float::Rounding;
+use rtl_model::float::{FloatFormat, Policy, Rounding};
 
 const BINARY: [FixedOperator; 5] = [
     FixedOperator::Add,
@@ -53,7 +54,7 @@ fn every_way(
             configurations.extend([plain, plain.with_flags()]);
         }
     }
-    if !operator.has_result() {
+    if !operator.rounds() {
         configurations.truncate(1);
     }
     configurations
@@ -63,7 +64,7 @@ fn every_way(
 fn golden(configuration: FixedConfiguration, operands: &[u64]) -> u64 {
     let mut results = Vec::new();
     configuration.golden_results(operands, &mut results);
-    if !configuration.operator.has_result() {
+    if !configuration.operator.rounds() {
         return results[0] << 2 | results[1] << 1 | results[2];
     }
     results[1..]
@@ -74,9 +75,9 @@ fn golden(configuration: FixedConfiguration, operands: &[u64]) -> u64 {
 /// Every operand, or every pair of operands.
 fn exhaustive(configuration: FixedConfiguration, latency: u32) -> Result<u64, Mismatch> {
     let mut bench = Bench::new(&configuration.build(latency));
-    let formats = configuration.operand_formats();
-    let words = |format: FixedFormat| 0..=format.value_mask();
-    match formats[..] {
+    let widths = configuration.operand_widths();
+    let words = |width: u32| 0..1_u64 << width;
+    match widths[..] {
         [a] => bench.run(words(a).map(|a| [a]), |operands| {
             golden(configuration, &operands)
         }),
@@ -148,6 +149,46 @@ fn pipelines_of_any_depth_agree() {
     }
 }
 
+/// To and from floats, of both policies, that reach into, over and below the fixed-point range.
+fn conversions(source: FloatFormat) -> impl Iterator<Item = FixedOperator> {
+    Policy::ALL.into_iter().flat_map(move |policy| {
+        [
+            FixedOperator::FromFloat { source, policy },
+            FixedOperator::ToFloat {
+                target: source,
+                policy,
+            },
+        ]
+    })
+}
+
+#[test]
+fn every_small_float_and_word_agrees() {
+    let mut configurations = Vec::new();
+    for source in [
+        FloatFormat::E4F3,
+        FloatFormat::new(2, 5),
+        FloatFormat::new(3, 2),
+        FloatFormat::new(5, 2),
+    ] {
+        for operator in conversions(source) {
+            for format in SMALL {
+                configurations.extend(every_way(operator, format, format, format));
+            }
+            let wide = [
+                FixedFormat::q(4, 8),
+                FixedFormat::uq(10, 0),
+                FixedFormat::uq(0, 9),
+                FixedFormat::q(20, 20),
+            ];
+            for format in wide {
+                configurations.extend(every_way(operator, FixedFormat::q(5, 5), format, format));
+            }
+        }
+    }
+    assert!(all_agree(configurations, 0) > 200_000);
+}
+
 /// A word of a format, hard more often than chance would have it.
 fn word(random: &mut Random, format: FixedFormat) -> u64 {
     let any = random.next();
@@ -190,18 +231,27 @@ fn wide_words_agree() {
             configurations.extend(every_way(operator, formats[2], formats[1], formats[0]));
         }
     }
+    for operator in conversions(FloatFormat::E7F16) {
+        for format in formats {
+            configurations.extend(every_way(operator, format, format, format));
+        }
+    }
     let compared: u64 = configurations
         .into_par_iter()
         .map(|configuration| {
             let mut bench = Bench::new(&configuration.build(0));
             let mut random = Random(9);
-            let formats = configuration.operand_formats();
+            let formats = configuration.operands();
             let agreed = match formats[..] {
-                [a] => {
+                [Meaning::Float(source)] => {
+                    let vectors = (0..20_000).map(|_| [random.next() & source.value_mask()]);
+                    bench.run(vectors, |operands| golden(configuration, &operands))
+                }
+                [Meaning::Fixed(a)] => {
                     let vectors = (0..2_000).map(|_| [word(&mut random, a)]);
                     bench.run(vectors, |operands| golden(configuration, &operands))
                 }
-                [a, b] => {
+                [Meaning::Fixed(a), Meaning::Fixed(b)] => {
                     let vectors = (0..2_000).map(|_| [word(&mut random, a), word(&mut random, b)]);
                     bench.run(vectors, |operands| golden(configuration, &operands))
                 }
@@ -241,6 +291,25 @@ fn a_module_is_named_by_all_that_it_depends_on() {
         shift.name(),
         "fixed_shift_left_q4_12_uq4_0_to_q4_12_rdn_wrap"
     );
+    let from_float = FixedConfiguration {
+        operator: FixedOperator::FromFloat {
+            source: FloatFormat::E7F16,
+            policy: Policy::Full,
+        },
+        ..plain
+    };
+    assert_eq!(
+        from_float.name(),
+        "fixed_from_float_e7f16_to_q4_12_full_rne_saturate"
+    );
+    let to_float = FixedConfiguration {
+        operator: FixedOperator::ToFloat {
+            target: FloatFormat::E7F16,
+            policy: Policy::Flush,
+        },
+        ..plain
+    };
+    assert_eq!(to_float.name(), "fixed_to_float_q4_12_to_e7f16_rne");
     let compare = FixedConfiguration {
         operator: FixedOperator::Compare,
         ..mixed

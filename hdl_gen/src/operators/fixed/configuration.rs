@@ -5,10 +5,10 @@ use std::sync::Arc;
 use rtl_model::fixed::{FixedFormat, Overflow};
 #[cfg(doc)]
 use rtl_model::float::Flags;
-use rtl_model::float::Rounding;
+use rtl_model::float::{Policy, Rounding};
 
-use super::super::UnsupportedOperator;
-use super::{FixedOperator, align, build, product, quotient, shift, word_fits};
+use super::super::{FloatOperator, UnsupportedOperator};
+use super::{FixedOperator, align, build, float, product, quotient, shift, word_fits};
 use crate::netlist::{Builder, Meaning, Module};
 use crate::pipeline::{pipelined, without_unused};
 
@@ -69,54 +69,75 @@ impl FixedConfiguration {
         }
     }
 
-    /// The formats of its operands, in the order of its input ports.
-    pub fn operand_formats(self) -> Vec<FixedFormat> {
+    /// How its operands are meant, in the order of its input ports.
+    pub fn operands(self) -> Vec<Meaning> {
+        let (a, b) = (Meaning::Fixed(self.a), Meaning::Fixed(self.b));
         match self.operator {
             FixedOperator::Add
             | FixedOperator::Subtract
             | FixedOperator::Multiply
             | FixedOperator::Divide
-            | FixedOperator::Compare => vec![self.a, self.b],
-            FixedOperator::Reciprocal | FixedOperator::Negate | FixedOperator::Convert => {
-                vec![self.a]
-            }
+            | FixedOperator::Compare => vec![a, b],
+            FixedOperator::Reciprocal
+            | FixedOperator::Negate
+            | FixedOperator::Convert
+            | FixedOperator::ToFloat { .. } => vec![a],
             FixedOperator::ShiftLeft { amount_bits }
             | FixedOperator::ShiftRight { amount_bits } => {
-                vec![self.a, FixedFormat::uq(amount_bits, 0)]
+                vec![a, Meaning::Fixed(FixedFormat::uq(amount_bits, 0))]
             }
+            FixedOperator::FromFloat { source, .. } => vec![Meaning::Float(source)],
         }
     }
 
-    /// How its operands are meant, in the order of its input ports.
-    pub fn operands(self) -> Vec<Meaning> {
-        let formats = self.operand_formats().into_iter();
-        formats.map(Meaning::Fixed).collect()
+    /// Widths of its operands, in the order of its input ports.
+    pub fn operand_widths(self) -> Vec<u32> {
+        let width = |operand| match operand {
+            Meaning::Fixed(format) => format.width(),
+            Meaning::Float(format) => format.width(),
+            Meaning::Bits | Meaning::Signed => unreachable!("operands are numbers"),
+        };
+        self.operands().into_iter().map(width).collect()
+    }
+
+    /// How its result is meant; of a comparison that of each output.
+    pub fn result_meaning(self) -> Meaning {
+        match self.operator {
+            FixedOperator::ToFloat { target, .. } => Meaning::Float(target),
+            FixedOperator::Compare => Meaning::Bits,
+            _ => Meaning::Fixed(self.result),
+        }
     }
 
     /// Its module's name without the latency: the operator, its formats (one where all are the
-    /// same, else the operands', `to` and the result's), then the rounding and what it does beyond
-    /// the range, as in `fixed_mul_q4_12_rne_saturate`.
+    /// same, else the operands', `to` and the result's), what differs from the default, then the
+    /// rounding and what it does beyond the range, as in `fixed_mul_q4_12_rne_saturate`.
     pub fn name(self) -> String {
-        let operands = self.operand_formats();
         let mut name = self.operator.name().to_owned();
-        let has_result = self.operator.has_result();
-        let uniform = operands.iter().all(|&format| format == operands[0])
-            && (operands[0] == self.result || !has_result);
-        if uniform {
-            name += &format!("_{}", operands[0].identifier());
-        } else {
-            for operand in operands {
-                name += &format!("_{}", operand.identifier());
-            }
-            if has_result {
-                name += &format!("_to_{}", self.result.identifier());
-            }
+        let operands = self.operands();
+        let result = self.result_meaning();
+        let uniform = operands.iter().all(|&operand| operand == operands[0])
+            && (result == operands[0] || !self.operator.rounds());
+        for operand in &operands[..if uniform { 1 } else { operands.len() }] {
+            name += &format!("_{}", identifier(*operand));
         }
-        if has_result {
+        if !uniform && self.operator.rounds() {
+            name += &format!("_to_{}", identifier(result));
+        }
+        if let FixedOperator::FromFloat { policy, .. } | FixedOperator::ToFloat { policy, .. } =
+            self.operator
+            && policy == Policy::Full
+        {
+            name += "_full";
+        }
+        if self.operator.rounds() {
             if self.has_flags {
                 name += "_flags";
             }
-            name += &format!("_{}_{}", self.rounding, self.overflow);
+            name += &format!("_{}", self.rounding);
+        }
+        if self.operator.has_fixed_result() {
+            name += &format!("_{}", self.overflow);
         }
         name
     }
@@ -158,9 +179,15 @@ impl FixedConfiguration {
                 }
                 fits("shifted word", shift::widest_word(self))
             }
-        }?;
-        // What the rounding drops may be wider than the word itself.
-        fits("result with a place for a carry", self.result.width() + 1)
+            FixedOperator::FromFloat { source, policy } => fits(
+                "aligned significand",
+                float::widest_word(self, source, policy),
+            ),
+            FixedOperator::ToFloat { target, .. } => {
+                FloatOperator::Add.check(target)?;
+                fits("word to be rounded", float::widest_sum(self, target))
+            }
+        }
     }
 
     /// Its module: combinational for latency 0, else a pipeline that takes new operands every
@@ -182,17 +209,27 @@ impl FixedConfiguration {
     /// The header comment.
     fn describe(self, builder: &mut Builder, latency: u32) {
         builder.describe(self.operator.formula());
-        for (name, format) in ["a_i", "b_i"].into_iter().zip(self.operand_formats()) {
-            builder.describe(format!("{name}: {}", description(format)));
+        for (name, operand) in ["a_i", "b_i"].into_iter().zip(self.operands()) {
+            builder.describe(format!("{name}: {}", description(operand)));
         }
-        if self.operator.has_result() {
-            builder.describe(format!("result_o: {}", description(self.result)));
+        if self.operator.rounds() {
+            builder.describe(format!("result_o: {}", description(self.result_meaning())));
             builder.describe(format!("rounding: {}", self.rounding));
+        }
+        if self.operator.has_fixed_result() {
             builder.describe(match self.overflow {
                 Overflow::Saturate => {
                     "overflow: saturate (first rounded, then moved to the nearer end of the range)"
                 }
                 Overflow::Wrap => "overflow: wrap (first rounded, then cut to the low bits)",
+            });
+        }
+        if let FixedOperator::FromFloat { policy, .. } | FixedOperator::ToFloat { policy, .. } =
+            self.operator
+        {
+            builder.describe(match policy {
+                Policy::Flush => "policy: flush (subnormal floats are zeros of their sign)",
+                Policy::Full => "policy: full (subnormal floats as in IEEE 754)",
             });
         }
         builder.describe(format!("latency: {latency}"));
@@ -203,15 +240,33 @@ impl FixedConfiguration {
     }
 }
 
+/// A format as a part of a Verilog name.
+fn identifier(meaning: Meaning) -> String {
+    match meaning {
+        Meaning::Fixed(format) => format.identifier(),
+        Meaning::Float(format) => format.to_string(),
+        Meaning::Bits | Meaning::Signed => "bits".to_owned(),
+    }
+}
+
 /// A format in words.
-fn description(format: FixedFormat) -> String {
-    let (integer, fraction) = (format.integer_bits, format.fraction_bits);
-    if format.signed {
-        format!(
-            "{format} (two's complement, {integer} integer bits with the sign, {fraction} fraction \
-             bits)"
-        )
-    } else {
-        format!("{format} (unsigned, {integer} integer bits, {fraction} fraction bits)")
+fn description(meaning: Meaning) -> String {
+    match meaning {
+        Meaning::Fixed(format) => {
+            let (integer, fraction) = (format.integer_bits, format.fraction_bits);
+            let kind = if format.signed {
+                "two's complement, the sign among"
+            } else {
+                "unsigned,"
+            };
+            format!("{format} ({kind} {integer} integer bits, {fraction} fraction bits)")
+        }
+        Meaning::Float(format) => format!(
+            "{format} (1 sign, {} exponent, {} fraction bits, bias {})",
+            format.exponent_bits,
+            format.fraction_bits,
+            format.exponent_bias()
+        ),
+        Meaning::Bits | Meaning::Signed => "bits".to_owned(),
     }
 }

@@ -23,6 +23,17 @@ impl FixedConfiguration {
             FixedOperator::Convert => arithmetic.convert(a),
             FixedOperator::ShiftLeft { .. } => arithmetic.shift_left(a, second as u32),
             FixedOperator::ShiftRight { .. } => arithmetic.shift_right(a, second as u32),
+            FixedOperator::FromFloat { source, policy } => {
+                arithmetic.from_float(source, policy, operands[0])
+            }
+            FixedOperator::ToFloat { target, policy } => {
+                let answer = a.to_float(target.arithmetic(policy, self.rounding));
+                results.push(answer.bits);
+                if self.has_flags {
+                    results.push(answer.flags.bits().into());
+                }
+                return;
+            }
             FixedOperator::Compare => {
                 let order = a.compare(b);
                 results.extend([order.is_lt(), order.is_le(), order.is_eq()].map(u64::from));

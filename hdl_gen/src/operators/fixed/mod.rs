@@ -10,6 +10,7 @@ mod align;
 mod compare;
 mod configuration;
 mod fit;
+mod float;
 mod golden;
 mod product;
 mod quotient;
@@ -18,6 +19,7 @@ mod shift;
 mod sum;
 
 use rtl_model::fixed::FixedFormat;
+use rtl_model::float::{FloatFormat, Policy};
 
 use super::UnsupportedOperator;
 use super::round::Answer;
@@ -55,6 +57,20 @@ pub enum FixedOperator {
     /// The relations of `a_i` to `b_i`: `less_than_o`, `less_equal_o`, `equal_o`; the other three
     /// are these inverted.
     Compare,
+    /// `result_o = a_i`, a float
+    FromFloat {
+        /// The format of `a_i`.
+        source: FloatFormat,
+        /// How its subnormal patterns are read.
+        policy: Policy,
+    },
+    /// `result_o = a_i`, the result a float
+    ToFloat {
+        /// The format of `result_o`.
+        target: FloatFormat,
+        /// What becomes of a result below the smallest normal number.
+        policy: Policy,
+    },
 }
 
 impl FixedOperator {
@@ -71,12 +87,19 @@ impl FixedOperator {
             FixedOperator::ShiftLeft { .. } => "fixed_shift_left",
             FixedOperator::ShiftRight { .. } => "fixed_shift_right",
             FixedOperator::Compare => "fixed_cmp",
+            FixedOperator::FromFloat { .. } => "fixed_from_float",
+            FixedOperator::ToFloat { .. } => "fixed_to_float",
         }
     }
 
-    /// Has it a number as its result, which is rounded and may be beyond the range?
-    pub const fn has_result(self) -> bool {
+    /// Has it a number as its result, which is rounded?
+    pub const fn rounds(self) -> bool {
         !matches!(self, FixedOperator::Compare)
+    }
+
+    /// Is that a fixed-point number, which is saturated or wrapped?
+    pub const fn has_fixed_result(self) -> bool {
+        !matches!(self, FixedOperator::Compare | FixedOperator::ToFloat { .. })
     }
 
     /// The golden function whose results it must give.
@@ -92,6 +115,8 @@ impl FixedOperator {
             FixedOperator::ShiftLeft { .. } => "FixedArithmetic::shift_left",
             FixedOperator::ShiftRight { .. } => "FixedArithmetic::shift_right",
             FixedOperator::Compare => "Fixed::compare",
+            FixedOperator::FromFloat { .. } => "FixedArithmetic::from_float",
+            FixedOperator::ToFloat { .. } => "Fixed::to_float",
         }
     }
 
@@ -105,6 +130,8 @@ impl FixedOperator {
             FixedOperator::Reciprocal => "result_o = 1 / a_i",
             FixedOperator::Negate => "result_o = -a_i",
             FixedOperator::Convert => "result_o = a_i",
+            FixedOperator::FromFloat { .. } => "result_o = a_i, a float; 0 of a NaN",
+            FixedOperator::ToFloat { .. } => "result_o = a_i, the result a float",
             FixedOperator::ShiftLeft { .. } => "result_o = a_i * 2^b_i",
             FixedOperator::ShiftRight { .. } => "result_o = a_i / 2^b_i",
             FixedOperator::Compare => "relations of a_i to b_i",
@@ -132,9 +159,15 @@ fn build(builder: &mut Builder, configuration: FixedConfiguration) {
             compare::compare(builder, configuration);
             return;
         }
+        FixedOperator::FromFloat { source, policy } => {
+            float::from_float(builder, configuration, source, policy)
+        }
+        FixedOperator::ToFloat { target, policy } => {
+            float::to_float(builder, configuration, target, policy)
+        }
     };
     builder.name(answer.result, "result");
-    builder.mean(answer.result, Meaning::Fixed(configuration.result));
+    builder.mean(answer.result, configuration.result_meaning());
     builder.output("result_o", answer.result);
     if let Some(flags) = answer.flags {
         builder.output("flags_o", flags);

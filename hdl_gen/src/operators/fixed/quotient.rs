@@ -66,16 +66,16 @@ pub(super) fn widest_word(configuration: FixedConfiguration) -> u32 {
 }
 
 /// A number's sign and magnitude.
-struct Operand {
+pub(super) struct Operand {
     format: FixedFormat,
     /// None where it has none.
-    negative: Option<Wire>,
+    pub negative: Option<Wire>,
     /// As many bits as the number has.
-    magnitude: Wire,
+    pub magnitude: Wire,
 }
 
 /// Takes a number apart.
-fn sign_and_magnitude(
+pub(super) fn sign_and_magnitude(
     builder: &mut Builder,
     word: Wire,
     format: FixedFormat,
