@@ -1,37 +1,27 @@
 //! The float operators against this machine's `f32` and `f64`, to nearest even: a third party that
 //! neither the operators nor their exact oracle know of.
 //!
-//! The host has subnormals and the operators flush them, so the two are compared where operands and
-//! result are normal numbers, zeros, infinities or NaN; a host result that has just rounded up to
-//! the smallest normal number is left out too, since the policies differ on which do.
+//! Under the policy `full` all results are the same. Under `flush` the two are compared where
+//! operands and result are normal numbers, zeros, infinities or NaN; a host result that has just
+//! rounded up to the smallest normal number is left out too, since the policies differ on which do.
 
 mod float_oracle;
 
-use float_oracle::compare::Operation;
+use float_oracle::compare::Subject;
 use float_oracle::operands;
 use rayon::prelude::*;
-use rtl_model::float::{FloatFormat, Rounding};
+use rtl_model::float::{Comparison, FloatFormat, Operation, Policy, Rounding};
 
 const SEED: u64 = 0x0405_7e9d;
-const CASES: u64 = 2_000_000;
-const OPERATIONS: [Operation; 4] = [
+const CASES: u64 = 1_000_000;
+const OPERATIONS: [Operation; 6] = [
     Operation::Add,
-    Operation::Sub,
-    Operation::Mul,
-    Operation::Div,
+    Operation::Subtract,
+    Operation::Multiply,
+    Operation::Divide,
+    Operation::SquareRoot,
+    Operation::FusedMultiplyAdd,
 ];
-
-/// One operator of ours, to nearest even.
-fn ours(operation: Operation, format: FloatFormat, a: u64, b: u64) -> u64 {
-    let rounding = Rounding::NearestEven;
-    match operation {
-        Operation::Add => format.add(rounding, a, b),
-        Operation::Sub => format.sub(rounding, a, b),
-        Operation::Mul => format.mul(rounding, a, b),
-        Operation::Div => format.div(rounding, a, b),
-        other => unreachable!("{other:?} is not compared with the host"),
-    }
-}
 
 macro_rules! agree_with {
     ($name:ident, $host:ty, $bits:ty, $exponent_bits:literal, $fraction_bits:literal) => {
@@ -42,45 +32,63 @@ macro_rules! agree_with {
                 let compared: u64 = (0..CASES)
                     .into_par_iter()
                     .map(|index| {
-                        let case = operands::case(operation, FORMAT, SEED, index);
-                        let a = <$host>::from_bits(case.a as $bits);
-                        let b = <$host>::from_bits(case.b as $bits);
+                        let subject = Subject::Operation(operation);
+                        let case = operands::case(subject, FORMAT, SEED, index);
+                        let [a, b, c] = case.operands.map(|bits| <$host>::from_bits(bits as $bits));
                         let host = match operation {
                             Operation::Add => a + b,
-                            Operation::Sub => a - b,
-                            Operation::Mul => a * b,
-                            _ => a / b,
+                            Operation::Subtract => a - b,
+                            Operation::Multiply => a * b,
+                            Operation::Divide => a / b,
+                            Operation::SquareRoot => a.sqrt(),
+                            _ => a.mul_add(b, c),
                         };
-                        let tiny = host != 0.0 && host.abs() <= <$host>::MIN_POSITIVE;
-                        // A zero that the host got from tiny numbers is one of ours, too.
-                        if a.is_subnormal() || b.is_subnormal() || tiny {
-                            return 0;
-                        }
                         let expected = if host.is_nan() {
                             FORMAT.quiet_nan()
                         } else {
                             u64::from(host.to_bits())
                         };
-                        let actual = ours(operation, FORMAT, case.a, case.b);
-                        assert_eq!(
-                            actual, expected,
-                            "{operation:?} of {:#x} and {:#x} in {FORMAT} gives {actual:#x}, \
-                             the host {expected:#x} (seed {SEED:#x}, index {index})",
-                            case.a, case.b
-                        );
-                        assert_eq!(FORMAT.less_than(case.a, case.b), a < b);
-                        assert_eq!(FORMAT.less_equal(case.a, case.b), a <= b);
-                        assert_eq!(FORMAT.compare(case.a, case.b), a.partial_cmp(&b));
-                        let floor = a.floor();
-                        if !floor.is_nan() {
-                            assert_eq!(FORMAT.floor(case.a), u64::from(floor.to_bits()));
+                        let agrees = |policy| {
+                            let arithmetic = FORMAT.arithmetic(policy, Rounding::NearestEven);
+                            let actual = operation.evaluate(arithmetic, case.operands).bits;
+                            assert_eq!(
+                                actual, expected,
+                                "{operation} of {:x?} in {FORMAT}, {policy}, gives {actual:#x}, \
+                                 the host {expected:#x} (seed {SEED:#x}, index {index})",
+                                case.operands
+                            );
+                            arithmetic
+                        };
+                        let full = agrees(Policy::Full);
+                        let quiet = Comparison::Quiet;
+                        let [x, y, _] = case.operands;
+                        assert_eq!(full.less_than(quiet, x, y).0, a < b);
+                        assert_eq!(full.less_equal(quiet, x, y).0, a <= b);
+                        assert_eq!(full.compare(quiet, x, y).0, a.partial_cmp(&b));
+                        for (rounding, integral) in [
+                            (Rounding::NearestEven, a.round_ties_even()),
+                            (Rounding::TowardZero, a.trunc()),
+                            (Rounding::Up, a.ceil()),
+                            (Rounding::Down, a.floor()),
+                        ] {
+                            let full = FORMAT.arithmetic(Policy::Full, rounding);
+                            if !integral.is_nan() {
+                                let ours = full.round_to_integral(x).bits;
+                                assert_eq!(ours, u64::from(integral.to_bits()));
+                            }
                         }
+                        let tiny = host != 0.0 && host.abs() <= <$host>::MIN_POSITIVE;
+                        // A zero that the host got from tiny numbers is one of ours, too.
+                        if [a, b, c].iter().any(|one| one.is_subnormal()) || tiny {
+                            return 0;
+                        }
+                        agrees(Policy::Flush);
                         1
                     })
                     .sum();
                 assert!(
                     compared > CASES / 2,
-                    "only {compared} of {CASES} cases of {operation:?} could be compared"
+                    "only {compared} of {CASES} cases of {operation} could be compared"
                 );
             }
         }
@@ -111,6 +119,12 @@ fn host_conversions_agree() {
         if wide.is_nan() || host.is_subnormal() || host.abs() == f32::MIN_POSITIVE {
             continue;
         }
+        let full = format.arithmetic(Policy::Full, Rounding::NearestEven);
+        assert_eq!(
+            full.from_f64(wide).bits,
+            u64::from(host.to_bits()),
+            "{wide:e}"
+        );
         let ours = format.from_f64(Rounding::NearestEven, wide);
         assert_eq!(ours, u64::from(host.to_bits()), "{wide:e}");
         compared += 1;

@@ -14,7 +14,7 @@ impl FloatArithmetic {
     /// - A sum at or past the pattern of infinity is infinity; infinity stays infinity.
     /// - NaN gives the canonical NaN.
     /// - The sign bit of `a` is not read.
-    #[inline]
+    #[inline(always)]
     pub const fn ulps_up(self, a: u64, ulps: u32) -> u64 {
         let format = self.format;
         let magnitude = self.read_magnitude(a);
@@ -35,7 +35,7 @@ impl FloatArithmetic {
     ///
     /// Exact at the two ends, and nowhere else: `k / (2^n - 1)` in binary is the n-bit number `k`
     /// repeated for ever. So no divider is needed, only a copy of the bits side by side.
-    #[inline]
+    #[inline(always)]
     pub const fn depth_from_height(self, height: u64, bits: u32) -> u64 {
         debug_assert!(
             bits <= 32 && 64 % bits == 0,

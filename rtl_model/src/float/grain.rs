@@ -9,7 +9,7 @@ impl FloatArithmetic {
     /// range. The sign of `a` is not read; no flag is raised.
     ///
     /// In hardware: the exponent, plus one, plus the number of zeros at the fraction's end.
-    #[inline]
+    #[inline(always)]
     pub const fn exact_below(self, a: u64) -> u64 {
         let format = self.format;
         let magnitude = self.read_magnitude(a);

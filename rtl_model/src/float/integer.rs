@@ -14,7 +14,7 @@ impl FloatArithmetic {
 
     /// `value * 2^exponent`, rounded once; any `exponent` is allowed. The rest is as in
     /// [`FloatArithmetic::from_integer`].
-    #[inline]
+    #[inline(always)]
     pub const fn from_scaled_integer(self, value: i64, exponent: i64) -> Answer {
         // Beyond these every format has long underflowed or overflowed.
         let exponent = if exponent < -10_000 {

@@ -83,32 +83,25 @@ impl FloatArithmetic {
         let sum = (((bounded + 1) as u64) << format.fraction_bits) + kept + increments as u64;
         let magnitude = sum.saturating_sub(2 << format.fraction_bits);
 
-        let negative = exact.negative;
-        let sign = format.zero_of_sign(negative);
-        if magnitude >= format.infinity() {
-            let magnitude = if self.rounding.overflows_to_infinity(negative) {
-                format.infinity()
-            } else {
-                format.max_finite()
-            };
-            return Answer {
-                bits: sign | magnitude,
-                flags: Flags::OVERFLOW.union(Flags::INEXACT),
-            };
-        }
         let tiny = magnitude < format.min_normal();
-        match self.policy {
-            Policy::Flush => Answer {
-                bits: sign | if tiny { 0 } else { magnitude },
-                flags: Flags::INEXACT
-                    .when(dropped != 0)
-                    .union(Flags::UNDERFLOW.union(Flags::INEXACT).when(tiny)),
-            },
-            Policy::Full if field >= 1 => Answer {
-                bits: sign | magnitude,
-                flags: Flags::INEXACT.when(dropped != 0),
-            },
-            Policy::Full => self.round_below_normal(negative, field, exact.significand, tiny),
+        if matches!(self.policy, Policy::Full) && field < 1 {
+            return self.round_below_normal(exact.negative, field, exact.significand, tiny);
+        }
+        let overflow = magnitude >= format.infinity();
+        let magnitude = if !overflow {
+            // Under `full` no tiny result gets here.
+            format.flushed_magnitude(magnitude)
+        } else if self.rounding.overflows_to_infinity(exact.negative) {
+            format.infinity()
+        } else {
+            format.max_finite()
+        };
+        Answer {
+            bits: format.zero_of_sign(exact.negative) | magnitude,
+            flags: Flags::INEXACT
+                .when(dropped != 0 || overflow || tiny)
+                .union(Flags::UNDERFLOW.when(tiny))
+                .union(Flags::OVERFLOW.when(overflow)),
         }
     }
 

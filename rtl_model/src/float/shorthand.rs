@@ -82,7 +82,7 @@ impl FloatFormat {
     }
 
     /// The order of two values; `None` where either is NaN (IEEE's "unordered").
-    #[inline]
+    #[inline(always)]
     pub const fn compare(self, a: u64, b: u64) -> Option<Ordering> {
         unrounded(self).compare(Comparison::Quiet, a, b).0
     }
@@ -90,26 +90,26 @@ impl FloatFormat {
     /// [`FloatArithmetic::min`] under the policy `flush`, without flags. (The datapath operator
     /// [`crate::arith::Arith::min`] is a comparator and a selector instead: it has the same value
     /// for any two numbers, but the first operand's bits where they are equal or either is NaN.)
-    #[inline]
+    #[inline(always)]
     pub const fn min(self, a: u64, b: u64) -> u64 {
         unrounded(self).min(a, b).bits
     }
 
     /// [`FloatArithmetic::max`] under the policy `flush`, without flags; see [`FloatFormat::min`].
-    #[inline]
+    #[inline(always)]
     pub const fn max(self, a: u64, b: u64) -> u64 {
         unrounded(self).max(a, b).bits
     }
 
     /// [`FloatArithmetic::floor`] under the policy `flush`, without flags.
-    #[inline]
+    #[inline(always)]
     pub const fn floor(self, a: u64) -> u64 {
         unrounded(self).floor(a).bits
     }
 
     /// `value * 2^exponent`, rounded once: [`FloatArithmetic::from_scaled_integer`] under the policy
     /// `flush`, without flags.
-    #[inline]
+    #[inline(always)]
     pub const fn from_integer(self, rounding: Rounding, value: i64, exponent: i64) -> u64 {
         self.arithmetic(Policy::Flush, rounding)
             .from_scaled_integer(value, exponent)
@@ -121,7 +121,7 @@ impl FloatFormat {
     /// # Errors
     /// If `a` is NaN, or rounds to an integer outside `i64`. For the saturating converter of
     /// hardware: `.unwrap_or_else(ToIntegerError::saturated)`.
-    #[inline]
+    #[inline(always)]
     pub const fn to_integer(self, rounding: Rounding, a: u64) -> Result<i64, ToIntegerError> {
         let answer = self
             .arithmetic(Policy::Flush, rounding)
@@ -138,19 +138,19 @@ impl FloatFormat {
     }
 
     /// [`FloatArithmetic::ulps_up`] under the policy `flush`.
-    #[inline]
+    #[inline(always)]
     pub const fn ulps_up(self, a: u64, ulps: u32) -> u64 {
         unrounded(self).ulps_up(a, ulps)
     }
 
     /// [`FloatArithmetic::exact_below`] under the policy `flush`.
-    #[inline]
+    #[inline(always)]
     pub const fn exact_below(self, a: u64) -> u64 {
         unrounded(self).exact_below(a)
     }
 
     /// [`FloatArithmetic::depth_from_height`] under the policy `flush`.
-    #[inline]
+    #[inline(always)]
     pub const fn depth_from_height(self, height: u64, bits: u32) -> u64 {
         unrounded(self).depth_from_height(height, bits)
     }

@@ -10,6 +10,7 @@
 )]
 
 pub mod compare;
+pub mod counter_examples;
 pub mod exact;
 pub mod neighbours;
 pub mod operands;

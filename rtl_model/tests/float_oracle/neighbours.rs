@@ -5,12 +5,25 @@ use std::cmp::Ordering;
 
 use num_bigint::BigUint;
 use num_traits::{ToPrimitive, Zero};
-use rtl_model::float::{FloatFormat, Rounding};
+use rtl_model::float::{Flags, FloatFormat, Policy, Rounding};
 
-/// What a pattern stands for, subnormals read as zeros.
+/// What a result depends on beside its operands.
+#[derive(Clone, Copy, Debug)]
+pub struct Rules {
+    pub format: FloatFormat,
+    pub policy: Policy,
+    pub rounding: Rounding,
+}
+
+/// A result and the flags it raises.
+pub type Result = (u64, Flags);
+
+/// What a pattern stands for.
 #[derive(Clone, Debug)]
 pub enum Value {
-    NotANumber,
+    NotANumber {
+        signalling: bool,
+    },
     Infinite {
         negative: bool,
     },
@@ -61,8 +74,8 @@ fn max_finite(format: FloatFormat, negative: bool) -> u64 {
     encode(format, negative, largest_field, largest_fraction)
 }
 
-/// Reads a pattern.
-pub fn decode(format: FloatFormat, pattern: u64) -> Value {
+/// Reads a pattern; under `flush` a subnormal one is a zero.
+pub fn decode(format: FloatFormat, policy: Policy, pattern: u64) -> Value {
     let fractions = 2u64.pow(format.fraction_bits);
     let exponents = 2u64.pow(format.exponent_bits);
     let fraction = pattern % fractions;
@@ -72,13 +85,20 @@ pub fn decode(format: FloatFormat, pattern: u64) -> Value {
         if fraction == 0 {
             Value::Infinite { negative }
         } else {
-            Value::NotANumber
+            Value::NotANumber {
+                signalling: fraction < fractions / 2,
+            }
         }
     } else {
+        let mantissa = match (field, policy) {
+            (0, Policy::Flush) => 0,
+            (0, Policy::Full) => fraction,
+            _ => fractions + fraction,
+        };
         Value::Finite {
             negative,
-            mantissa: if field == 0 { 0 } else { fractions + fraction },
-            exponent: field as i64 - bias(format) - i64::from(format.fraction_bits),
+            mantissa,
+            exponent: field.max(1) as i64 - bias(format) - i64::from(format.fraction_bits),
         }
     }
 }
@@ -103,9 +123,50 @@ fn takes_larger(
     }
 }
 
+/// The quotient `numerator / denominator * 2^exponent` in units of `2^unit`, rounded to an integer;
+/// and whether it was none. `None` if it has more than `digits` bits before rounding.
+fn to_units(
+    rounding: Rounding,
+    exact: &Exact,
+    unit: i128,
+    digits: u64,
+) -> Option<(u64, bool, u64)> {
+    let shift = exact.exponent - unit;
+    let (numerator, denominator) = if shift >= 0 {
+        (&exact.numerator << shift, exact.denominator.clone())
+    } else {
+        (exact.numerator.clone(), &exact.denominator << -shift)
+    };
+    let lower = &numerator / &denominator;
+    if lower.bits() > digits {
+        return None;
+    }
+    let below = numerator - &lower * &denominator;
+    let bits = lower.bits();
+    let lower = lower.to_u64().expect("F + 1 bits");
+    if below.is_zero() {
+        return Some((lower, false, bits));
+    }
+    // The exact value is `below` above the lower neighbour and `above` below the upper one.
+    let above = denominator - &below;
+    let larger = takes_larger(
+        rounding,
+        exact.negative,
+        below.cmp(&above),
+        lower.is_multiple_of(2),
+    );
+    Some((lower + u64::from(larger), true, bits))
+}
+
 /// Rounds a nonzero exact result: searches the power of two at which it lies between two
-/// neighbouring `F + 1`-bit integers, and compares it with both.
-pub fn round(format: FloatFormat, rounding: Rounding, exact: &Exact) -> u64 {
+/// neighbouring `F + 1`-bit integers, and compares it with both. What is too small for that is
+/// rounded to a multiple of the smallest subnormal number, or flushed.
+pub fn round(rules: Rules, exact: &Exact) -> Result {
+    let Rules {
+        format,
+        policy,
+        rounding,
+    } = rules;
     let negative = exact.negative;
     let digits = u64::from(format.fraction_bits) + 1;
     let smallest = 2u64.pow(format.fraction_bits);
@@ -114,39 +175,18 @@ pub fn round(format: FloatFormat, rounding: Rounding, exact: &Exact) -> u64 {
     let mut unit = exact.numerator.bits() as i128 - exact.denominator.bits() as i128
         + exact.exponent
         - i128::from(digits);
-    let (lower, below, scaled_denominator) = loop {
-        // numerator / denominator * 2^exponent / 2^unit
-        let shift = exact.exponent - unit;
-        let (numerator, denominator) = if shift >= 0 {
-            (&exact.numerator << shift, exact.denominator.clone())
-        } else {
-            (exact.numerator.clone(), &exact.denominator << -shift)
-        };
-        let quotient = &numerator / &denominator;
-        let bits = quotient.bits();
-        if bits > digits {
-            unit += 1;
-        } else {
-            assert_eq!(bits, digits, "the first unit tried is never too coarse");
-            let below = numerator - &quotient * &denominator;
-            break (quotient, below, denominator);
+    let (chosen, inexact) = loop {
+        match to_units(rounding, exact, unit, digits) {
+            None => unit += 1,
+            Some((chosen, inexact, bits)) => {
+                assert_eq!(bits, digits, "the first unit tried is never too coarse");
+                break (chosen, inexact);
+            }
         }
     };
-
-    let lower_integer = lower.to_u64().expect("F + 1 bits");
-    let chosen = if below.is_zero() {
-        lower_integer
-    } else {
-        // The exact value is `below` above the lower neighbour and `above` below the upper one.
-        let above = &scaled_denominator - &below;
-        let larger = takes_larger(
-            rounding,
-            negative,
-            below.cmp(&above),
-            lower_integer.is_multiple_of(2),
-        );
-        lower_integer + u64::from(larger)
-    };
+    let raise = |flag: Flags, condition| if condition { flag } else { Flags::NONE };
+    let least_unit = 1 - i128::from(bias(format)) - i128::from(format.fraction_bits);
+    let below_normal = unit < least_unit;
 
     // The upper neighbour may be the next power of two.
     let (significand, unit) = if chosen == 2 * smallest {
@@ -156,16 +196,30 @@ pub fn round(format: FloatFormat, rounding: Rounding, exact: &Exact) -> u64 {
     };
     let field = unit + i128::from(format.fraction_bits) + i128::from(bias(format));
     let largest_field = 2i128.pow(format.exponent_bits) - 2;
-    if field < 1 {
-        zero(format, negative)
-    } else if field > largest_field {
-        match (rounding, negative) {
+    if field > largest_field {
+        let pattern = match (rounding, negative) {
             (Rounding::NearestEven, _) | (Rounding::Up, false) | (Rounding::Down, true) => {
                 infinity(format, negative)
             }
             _ => max_finite(format, negative),
+        };
+        return (pattern, Flags::OVERFLOW | Flags::INEXACT);
+    }
+    let tiny = field < 1;
+    match policy {
+        Policy::Flush if tiny => (zero(format, negative), Flags::UNDERFLOW | Flags::INEXACT),
+        Policy::Full if below_normal => {
+            let (multiple, inexact, _) = to_units(rounding, exact, least_unit, digits)
+                .expect("less than the smallest normal number");
+            // The smallest normal number is one of these multiples, and its pattern, too.
+            (
+                zero(format, negative) + multiple,
+                raise(Flags::INEXACT, inexact) | raise(Flags::UNDERFLOW, inexact && tiny),
+            )
         }
-    } else {
-        encode(format, negative, field as u64, significand - smallest)
+        _ => (
+            encode(format, negative, field as u64, significand - smallest),
+            raise(Flags::INEXACT, inexact),
+        ),
     }
 }

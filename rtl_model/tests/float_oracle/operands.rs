@@ -1,15 +1,16 @@
 //! Operands, half of them drawn to be hard: a case is a function of seed and index alone.
 
-use rtl_model::float::{FloatFormat, Rounding};
+use rtl_model::float::{FloatFormat, IntegerFormat, Operation, Policy, Rounding};
 
-use super::compare::Operation;
+use super::compare::Subject;
 
-/// The operands of one test. Operators that do not round ignore the rounding.
+/// One test. Operators that do not round ignore the rounding, and every one the operands that it
+/// does not have.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
+    pub policy: Policy,
     pub rounding: Rounding,
-    pub a: u64,
-    pub b: u64,
+    pub operands: [u64; 3],
 }
 
 /// SplitMix64 (Steele, Lea, Flood 2014): any seed is as good as any other.
@@ -41,15 +42,40 @@ impl Random {
 }
 
 /// The case of this index.
-pub fn case(operation: Operation, format: FloatFormat, seed: u64, index: u64) -> Case {
+pub fn case(subject: Subject, format: FloatFormat, seed: u64, index: u64) -> Case {
     let mut random = Random::new(seed, index);
     let rounding = Rounding::ALL[random.below(4) as usize];
-    let (a, b) = match operation {
-        Operation::FromInteger => integer_and_exponent(format, &mut random),
-        Operation::ToInteger | Operation::Floor => (near_integers(format, &mut random), 0),
-        _ => pair(format, &mut random),
+    let policy = Policy::ALL[random.below(2) as usize];
+    let operands = match subject {
+        Subject::FromScaledInteger => {
+            let (value, exponent) = integer_and_exponent(format, &mut random);
+            [value, exponent, 0]
+        }
+        Subject::Operation(operation) => match operation {
+            Operation::FusedMultiplyAdd => triple(format, &mut random),
+            Operation::SquareRoot => [radicand(format, &mut random), 0, 0],
+            Operation::ToInteger(target) | Operation::ToIntegerExact(target) => {
+                [near_integers(format, target.bits, &mut random), 0, 0]
+            }
+            Operation::RoundToIntegral | Operation::RoundToIntegralExact | Operation::Floor => [
+                near_integers(format, format.fraction_bits, &mut random),
+                0,
+                0,
+            ],
+            Operation::FromInteger(source) => [integer(format, source, &mut random), 0, 0],
+            Operation::ToFloat(target) => [near_range(format, target, &mut random), 0, 0],
+            Operation::FromFloat(source) => [near_range(source, format, &mut random), 0, 0],
+            _ => {
+                let (a, b) = pair(format, &mut random);
+                [a, b, 0]
+            }
+        },
     };
-    Case { rounding, a, b }
+    Case {
+        policy,
+        rounding,
+        operands,
+    }
 }
 
 fn pattern(format: FloatFormat, sign: u64, field: i64, fraction: u64) -> u64 {
@@ -142,7 +168,9 @@ fn pair(format: FloatFormat, random: &mut Random) -> (u64, u64) {
         12 | 13 => {
             let field = random.within(1, all_ones - 1);
             let edge = if random.below(2) == 0 { 0 } else { all_ones };
-            let wanted = edge + random.within(-2, 2);
+            // Among the subnormal numbers, too.
+            let below = if edge == 0 { -fraction_bits - 3 } else { -2 };
+            let wanted = edge + random.within(below, 2);
             let other = if random.below(2) == 0 {
                 wanted + bias - field
             } else {
@@ -235,15 +263,17 @@ fn integer_and_exponent(format: FloatFormat, random: &mut Random) -> (u64, u64) 
     (integer as u64, exponent as u64)
 }
 
-/// Values from far below one half to beyond 2^63, most with few bits after the point.
-fn near_integers(format: FloatFormat, random: &mut Random) -> u64 {
+/// Values from far below one half to beyond an integer of so many bits, most with few bits after
+/// the point.
+fn near_integers(format: FloatFormat, bits: u32, random: &mut Random) -> u64 {
+    let bits = i64::from(bits);
     let bias = (1i64 << (format.exponent_bits - 1)) - 1;
     let sign = random.next();
     match random.below(8) {
         0 | 1 => any(format, random),
         2 => special(format, random),
         3 | 4 => {
-            let field = bias + random.within(-3, 66);
+            let field = bias + random.within(-3, bits + 2);
             pattern(format, sign, field, random.next())
         }
         // A half after the point, or a hard pattern of bits there.
@@ -254,8 +284,140 @@ fn near_integers(format: FloatFormat, random: &mut Random) -> u64 {
             pattern(format, sign, bias + exponent, integer | half)
         }
         _ => {
-            let field = bias + random.within(-2, 65);
+            let field = bias + random.within(bits - 2, bits + 1);
             pattern(format, sign, field, hard_fraction(format, random))
         }
     }
+}
+
+/// Factors as in any pair, and an addend that is near the product, just below its last bit, or any.
+fn triple(format: FloatFormat, random: &mut Random) -> [u64; 3] {
+    let (a, b) = pair(format, random);
+    let bias = (1i64 << (format.exponent_bits - 1)) - 1;
+    let all_ones = 2 * bias + 1;
+    let field = |value: u64| (value >> format.fraction_bits) as i64 & all_ones;
+    let product = field(a) + field(b) - bias;
+    let fraction_bits = i64::from(format.fraction_bits);
+    let signs = random.next();
+    let c = match random.below(8) {
+        0 | 1 => any(format, random),
+        2 => special(format, random),
+        // Cancels the leading bits of the product, and where the fractions allow it all of them.
+        3 | 4 => {
+            let mut significand =
+                u128::from(a) & ((1 << format.fraction_bits) - 1) | 1 << format.fraction_bits;
+            significand *=
+                u128::from(b) & ((1 << format.fraction_bits) - 1) | 1 << format.fraction_bits;
+            let bits = 128 - i64::from(significand.leading_zeros());
+            let leading = (significand >> (bits - fraction_bits - 1)) as u64;
+            let carry = bits - 2 * fraction_bits - 1;
+            let opposite = (a ^ b) >> (format.width() - 1) ^ 1;
+            let near = leading.wrapping_add_signed(random.within(-1, 1));
+            pattern(format, opposite, product + carry, near)
+        }
+        5 => pattern(
+            format,
+            signs,
+            product + random.within(-2, 2),
+            hard_fraction(format, random),
+        ),
+        // Reaches just below the last bit of the product, or the product just below its own.
+        _ => {
+            let distance = random.within(fraction_bits - 1, 2 * fraction_bits + 4);
+            let other = if signs & 2 == 0 {
+                product - distance
+            } else {
+                product + distance
+            };
+            pattern(format, signs, other, hard_fraction(format, random))
+        }
+    };
+    [a, b, c]
+}
+
+/// Any number; and squares, the numbers beside them, and squares of numbers with one bit more.
+fn radicand(format: FloatFormat, random: &mut Random) -> u64 {
+    let bias = (1i64 << (format.exponent_bits - 1)) - 1;
+    match random.below(4) {
+        0 => any(format, random),
+        1 => special(format, random),
+        2 => {
+            let field = random.within(0, 2 * bias);
+            let sign = u64::from(random.below(8) == 0);
+            pattern(format, sign, field, hard_fraction(format, random))
+        }
+        _ => {
+            let length = 1 + random.below(u64::from(format.fraction_bits) + 2);
+            let root =
+                u128::from(1u64 << (length - 1) | (random.next() & ((1 << (length - 1)) - 1)));
+            let square = root * root;
+            let bits = 128 - i64::from(square.leading_zeros());
+            let fraction_bits = i64::from(format.fraction_bits);
+            let shift = bits - fraction_bits - 1;
+            let leading = if shift >= 0 {
+                square >> shift
+            } else {
+                square << -shift
+            };
+            let near = (leading as u64).wrapping_add_signed(random.within(-1, 1));
+            // Of either parity, so that half of them are no squares after all.
+            let field = random.within(1 - fraction_bits, 2 * bias);
+            if field >= 1 {
+                pattern(format, 0, field, near)
+            } else {
+                pattern(format, 0, 0, near >> (1 - field))
+            }
+        }
+    }
+}
+
+/// Integers of every length, ties at the format's last bit among them, and the ends of the range.
+fn integer(format: FloatFormat, source: IntegerFormat, random: &mut Random) -> u64 {
+    let mask = source.mask();
+    let fraction_bits = u64::from(format.fraction_bits);
+    let magnitude = match random.below(4) {
+        0 => [0, 1, mask, mask >> 1, (mask >> 1) + 1, mask - 1][random.below(6) as usize],
+        1 => {
+            let tie = (1u64 << (fraction_bits + 1)) | (random.next() >> (63 - fraction_bits)) | 1;
+            let shift = random.below(63 - fraction_bits);
+            (tie << shift).wrapping_add_signed(random.within(-1, 1))
+        }
+        _ => random.next() >> random.below(64),
+    };
+    let negate = source.signed && random.below(2) == 1;
+    (if negate {
+        magnitude.wrapping_neg()
+    } else {
+        magnitude
+    }) & mask
+}
+
+/// Values of one format around the ends of another one's range, and ties at its last bit.
+fn near_range(source: FloatFormat, target: FloatFormat, random: &mut Random) -> u64 {
+    let source_bias = (1i64 << (source.exponent_bits - 1)) - 1;
+    let bias = (1i64 << (target.exponent_bits - 1)) - 1;
+    let sign = random.next();
+    let exponent = match random.below(8) {
+        0 => return any(source, random),
+        1 => return special(source, random),
+        2 | 3 => -bias + random.within(-i64::from(target.fraction_bits) - 2, 2),
+        4 => bias + random.within(-2, 2),
+        _ => random.within(-bias, bias + 1),
+    };
+    let fraction = match random.below(3) {
+        0 => random.next(),
+        1 => hard_fraction(source, random),
+        // A tie, or the numbers beside one.
+        _ => {
+            let dropped = source.fraction_bits.saturating_sub(target.fraction_bits);
+            let half = if dropped == 0 {
+                0
+            } else {
+                1u64 << (dropped - 1)
+            };
+            let kept = random.next() & !((1u64 << dropped) - 1);
+            (kept | half).wrapping_add_signed(random.within(-1, 1))
+        }
+    };
+    pattern(source, sign, source_bias + exponent, fraction)
 }
