@@ -140,7 +140,12 @@ impl<'a> Walker<'a> {
     }
 }
 
-fn walk_in<R: NumberFormat>(reading: &mut R, pyramid: &Pyramid, ray: Ray<f64>) -> Hit<f64> {
+/// Walks an admitted ray in a reading.
+pub(crate) fn walk_in<R: NumberFormat>(
+    reading: &mut R,
+    pyramid: &Pyramid,
+    ray: Ray<f64>,
+) -> Hit<f64> {
     reading.forget();
     let ray = enter(reading, ray);
     let hit = traverse::walk(reading, pyramid, pyramid.memory(), ray);
