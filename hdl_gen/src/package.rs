@@ -8,7 +8,7 @@
 use crate::datapath::OperatorLatencies;
 use crate::emit::{EmitError, write_design};
 use crate::netlist::Module;
-use crate::operators::{OperatorConfiguration, stream_unit};
+use crate::operators::{AnyOperator, stream_unit};
 use crate::testbench::{TraverseBench, stream_testbench, traverse_testbench};
 use crate::units::{TraverseUnit, UnitConfiguration, build_step_unit};
 use crate::vectors::{Files, VectorError, operator_vectors, ray_vectors, scene_rays, step_vectors};
@@ -82,12 +82,13 @@ pub fn package_scene(scene: &Scene, folder: &Path) -> Result<Package, PackageErr
 /// # Errors
 /// If a file cannot be written.
 pub fn package_operator(
-    choice: OperatorConfiguration,
+    choice: impl Into<AnyOperator>,
     latency: u32,
     random: u64,
     seed: u64,
     folder: &Path,
 ) -> Result<Package, PackageError> {
+    let choice: AnyOperator = choice.into();
     let core = choice.build(latency);
     let unit = stream_unit(&core);
     let set = operator_vectors(choice, random, seed);

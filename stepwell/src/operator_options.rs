@@ -5,13 +5,34 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use hdl_gen::datapath::OperatorLatencies;
-use hdl_gen::operators::{Multiplier, OperatorConfiguration, Radix, Structure};
-use rtl_model::float::{FloatFormat, Policy, Rounding};
+use hdl_gen::operators::{
+    AnyOperator, FixedConfiguration, FixedOperator, Multiplier, OperatorConfiguration, Radix,
+    Structure,
+};
+use rtl_model::fixed::{FixedFormat, Overflow};
+use rtl_model::float::{Policy, Rounding};
 
-use crate::units::named_operator;
+use crate::options::NumberFormat;
+use crate::units::{FIXED_OPERATORS, fixed_format, float_format, named_operator};
 
 /// The longest latency a person may ask for, in cycles.
 const MAX_LATENCY: i64 = 32;
+
+/// The format of a fixed-point operator unless told.
+const DEFAULT_FIXED: FixedFormat = FixedFormat::q(4, 12);
+
+/// The options below, as they are written.
+const EVERY_OPTION: [&str; 9] = [
+    "--rounding",
+    "--policy",
+    "--flags",
+    "--latency",
+    "--multiplier",
+    "--radix",
+    "--result-format",
+    "--b-format",
+    "--overflow",
+];
 
 /// What an operator is beside its name and its format.
 #[derive(Args, Clone, Debug)]
@@ -27,6 +48,18 @@ pub struct OperatorOptions {
     /// Of an operator: with the port flags_o
     #[arg(long)]
     flags: bool,
+
+    /// Of a fixed-point operator: the format of its result; that of its operands unless told
+    #[arg(long, value_name = "FORMAT")]
+    result_format: Option<NumberFormat>,
+
+    /// Of a fixed-point operator: the format of its second operand; that of the first unless told
+    #[arg(long, value_name = "FORMAT")]
+    b_format: Option<NumberFormat>,
+
+    /// Of a fixed-point operator: saturate (unless told) or wrap where a result is beyond the range
+    #[arg(long, value_name = "OVERFLOW")]
+    overflow: Option<Overflow>,
 
     /// Of an operator: its cycles; the paper's budget unless told
     #[arg(long, value_name = "CYCLES",
@@ -48,7 +81,7 @@ pub struct OperatorOptions {
 #[derive(Clone, Copy, Debug)]
 pub struct ChosenOperator {
     /// All but the latency.
-    pub configuration: OperatorConfiguration,
+    pub configuration: AnyOperator,
     /// Cycles.
     pub latency: u32,
 }
@@ -60,19 +93,36 @@ impl OperatorOptions {
     /// # Errors
     /// If there is one.
     pub fn none_for(&self, subject: &str) -> anyhow::Result<()> {
-        let given = [
-            ("--rounding", self.rounding.is_some()),
-            ("--policy", self.policy.is_some()),
-            ("--flags", self.flags),
-            ("--latency", self.latency.is_some()),
-            ("--multiplier", self.multiplier.is_some()),
-            ("--radix", self.radix.is_some()),
-        ];
-        match given.iter().find(|(_, given)| *given) {
-            Some((option, _)) => bail!(
+        match self.given(&EVERY_OPTION) {
+            Some(option) => bail!(
                 "{option} is of operators, and {subject} is none: leave it out, or name an \
                  operator with --unit, such as --unit float_add"
             ),
+            None => Ok(()),
+        }
+    }
+
+    /// The first of these options that was given.
+    fn given(&self, options: &[&'static str]) -> Option<&'static str> {
+        let is_given = |option: &&&str| match **option {
+            "--rounding" => self.rounding.is_some(),
+            "--policy" => self.policy.is_some(),
+            "--flags" => self.flags,
+            "--latency" => self.latency.is_some(),
+            "--multiplier" => self.multiplier.is_some(),
+            "--radix" => self.radix.is_some(),
+            "--result-format" => self.result_format.is_some(),
+            "--b-format" => self.b_format.is_some(),
+            "--overflow" => self.overflow.is_some(),
+            other => unreachable!("no option {other}"),
+        };
+        options.iter().find(is_given).copied()
+    }
+
+    /// Complains of any of these options that was given: the operator has no use for it.
+    fn refuse(&self, name: &str, options: &[&'static str]) -> anyhow::Result<()> {
+        match self.given(options) {
+            Some(option) => bail!("{option}: {name} has no use for it; leave it out"),
             None => Ok(()),
         }
     }
@@ -81,8 +131,17 @@ impl OperatorOptions {
     ///
     /// # Errors
     /// If there is no such operator, or none of this kind.
-    pub fn choose(&self, name: &str, format: FloatFormat) -> anyhow::Result<ChosenOperator> {
+    pub fn choose(
+        &self,
+        name: &str,
+        format: Option<NumberFormat>,
+    ) -> anyhow::Result<ChosenOperator> {
+        if FIXED_OPERATORS.contains(&name) {
+            return self.choose_fixed(name, format);
+        }
         let operator = named_operator(name)?;
+        let format = float_format(format)?;
+        self.refuse(name, &["--result-format", "--b-format", "--overflow"])?;
         let configuration = OperatorConfiguration {
             operator,
             format,
@@ -96,10 +155,85 @@ impl OperatorOptions {
         };
         configuration.check()?;
         Ok(ChosenOperator {
-            configuration,
+            configuration: configuration.into(),
             latency: self
                 .latency
                 .unwrap_or(OperatorLatencies::PAPER.of_operator(operator)),
+        })
+    }
+
+    /// The fixed-point operator of this name.
+    fn choose_fixed(
+        &self,
+        name: &str,
+        format: Option<NumberFormat>,
+    ) -> anyhow::Result<ChosenOperator> {
+        self.refuse(name, &["--multiplier", "--radix"])?;
+        let is_conversion = matches!(name, "fixed_from_float" | "fixed_to_float");
+        if !is_conversion {
+            self.refuse(name, &["--policy"])?;
+        }
+        if !matches!(
+            name,
+            "fixed_add" | "fixed_sub" | "fixed_mul" | "fixed_div" | "fixed_cmp"
+        ) {
+            self.refuse(name, &["--b-format"])?;
+        }
+        match name {
+            "fixed_cmp" => self.refuse(
+                name,
+                &["--rounding", "--flags", "--result-format", "--overflow"],
+            )?,
+            "fixed_to_float" => self.refuse(name, &["--overflow"])?,
+            _ => {}
+        }
+        let policy = self.policy.unwrap_or_default();
+        let (a, result, operator) = match name {
+            "fixed_from_float" => {
+                let source = float_format(format)?;
+                let result = fixed_format("--result-format", self.result_format, DEFAULT_FIXED)?;
+                (result, result, FixedOperator::FromFloat { source, policy })
+            }
+            "fixed_to_float" => {
+                let a = fixed_format("--format", format, DEFAULT_FIXED)?;
+                let target = float_format(self.result_format)?;
+                (a, a, FixedOperator::ToFloat { target, policy })
+            }
+            _ => {
+                let a = fixed_format("--format", format, DEFAULT_FIXED)?;
+                let result = fixed_format("--result-format", self.result_format, a)?;
+                // Every distance that leaves something of the word.
+                let amount_bits = (u32::BITS - (a.width() - 1).leading_zeros()).clamp(1, 6);
+                let operator = match name {
+                    "fixed_add" => FixedOperator::Add,
+                    "fixed_sub" => FixedOperator::Subtract,
+                    "fixed_mul" => FixedOperator::Multiply,
+                    "fixed_div" => FixedOperator::Divide,
+                    "fixed_reciprocal" => FixedOperator::Reciprocal,
+                    "fixed_negate" => FixedOperator::Negate,
+                    "fixed_convert" => FixedOperator::Convert,
+                    "fixed_shift_left" => FixedOperator::ShiftLeft { amount_bits },
+                    "fixed_shift_right" => FixedOperator::ShiftRight { amount_bits },
+                    _ => FixedOperator::Compare,
+                };
+                (a, result, operator)
+            }
+        };
+        let configuration = FixedConfiguration {
+            operator,
+            a,
+            b: fixed_format("--b-format", self.b_format, a)?,
+            result,
+            rounding: self.rounding.unwrap_or(Rounding::NearestEven),
+            overflow: self.overflow.unwrap_or_default(),
+            has_flags: self.flags,
+        };
+        configuration.check()?;
+        Ok(ChosenOperator {
+            configuration: configuration.into(),
+            latency: self
+                .latency
+                .unwrap_or(OperatorLatencies::PAPER.of_fixed_operator(operator)),
         })
     }
 }

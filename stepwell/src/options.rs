@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use rtl_model::calibration::CAMERAS;
 use rtl_model::camera::Camera;
+use rtl_model::fixed::{FixedFormat, FixedFormatError};
 use rtl_model::maps::{Channel, MapSource};
-use rtl_model::scene::{FrameSize, MAX_FRAME_SIDE, Method, Scene, SceneMap, WalkFormat};
+use rtl_model::scene::{FrameSize, MAX_FRAME_SIDE, Method, Scene, SceneMap, WalkError, WalkFormat};
 
 /// Which height map.
 #[derive(Args, Clone, Debug)]
@@ -58,6 +59,45 @@ impl SceneOptions {
     }
 }
 
+/// The format of a scene's numbers, or of an operator's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NumberFormat {
+    /// One that a traversal computes in.
+    Walk(WalkFormat),
+    /// Fixed point, which only operators have.
+    Fixed(FixedFormat),
+}
+
+impl NumberFormat {
+    /// The format, of a traversal.
+    ///
+    /// # Errors
+    /// If it is fixed point.
+    pub fn of_walk(self) -> anyhow::Result<WalkFormat> {
+        match self {
+            NumberFormat::Walk(format) => Ok(format),
+            NumberFormat::Fixed(format) => bail!(
+                "--format {format}: no traversal computes in fixed point; take a float eXfY, such \
+                 as e7f16, or name a fixed-point operator, such as --unit fixed_mul"
+            ),
+        }
+    }
+}
+
+impl FromStr for NumberFormat {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        if text.starts_with('q') || text.starts_with("uq") {
+            let format = text.parse().map(NumberFormat::Fixed);
+            format.map_err(|problem: FixedFormatError| problem.to_string())
+        } else {
+            let format = text.parse().map(NumberFormat::Walk);
+            format.map_err(|problem: WalkError| problem.to_string())
+        }
+    }
+}
+
 /// What is replaced in a scene.
 #[derive(Args, Clone, Debug)]
 pub struct Replacements {
@@ -65,9 +105,9 @@ pub struct Replacements {
     pub map: MapOptions,
 
     /// Replace the scene's number format: eXfY with X exponent and Y fraction bits, such as e7f16,
-    /// or f64, or exact
+    /// or f64, or exact; of a fixed-point operator qI.F or uqI.F, such as q4.12
     #[arg(long, value_name = "FORMAT")]
-    pub format: Option<WalkFormat>,
+    pub format: Option<NumberFormat>,
 
     /// Replace the scene's traversal: oh
     #[arg(long, value_name = "METHOD")]
@@ -90,7 +130,7 @@ impl Replacements {
             scene.map = map;
         }
         if let Some(format) = self.format {
-            scene.walk.format = format;
+            scene.walk.format = format.of_walk()?;
         }
         if let Some(method) = self.method {
             scene.walk.method = method;

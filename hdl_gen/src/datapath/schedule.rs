@@ -2,7 +2,7 @@
 
 use super::record::Recording;
 use super::signal::{RecordedOperation, SignalId};
-use crate::operators::FloatOperator;
+use crate::operators::{FixedOperator, FloatOperator};
 use serde::{Deserialize, Serialize};
 
 /// Cycles of each pipelined operator. Everything else (selection, integer and bit logic, sign
@@ -41,6 +41,18 @@ impl OperatorLatencies {
             FloatOperator::Compare | FloatOperator::LessThan | FloatOperator::LessEqual => {
                 self.comparator
             }
+            _ => self.conversion,
+        };
+        cycles.max(1)
+    }
+
+    /// Cycles of a fixed-point operator on its own: those of the float operator of its kind.
+    pub fn of_fixed_operator(&self, operator: FixedOperator) -> u32 {
+        let cycles = match operator {
+            FixedOperator::Add | FixedOperator::Subtract => self.adder,
+            FixedOperator::Multiply => self.multiplier,
+            FixedOperator::Divide | FixedOperator::Reciprocal => self.divider,
+            FixedOperator::Compare => self.comparator,
             _ => self.conversion,
         };
         cycles.max(1)

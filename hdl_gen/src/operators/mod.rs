@@ -12,6 +12,7 @@
 //! handshake around one.
 
 mod add;
+mod any;
 mod compare;
 mod configuration;
 mod denormalise;
@@ -32,6 +33,7 @@ use rtl_model::float::FloatFormat;
 
 use crate::netlist::{Builder, Meaning, Wire};
 
+pub use any::AnyOperator;
 pub use configuration::{Multiplier, OperatorConfiguration, Radix, Structure};
 pub use fixed::{FixedConfiguration, FixedOperator};
 pub(crate) use stream::CORE_INSTANCE;

@@ -10,6 +10,7 @@
 
 mod error;
 mod field;
+mod fixed;
 mod manifest;
 mod operators;
 mod rays;

@@ -3,8 +3,9 @@
 use rtl_model::float::FloatFormat;
 
 use super::field::{Field, FieldFormat, Role};
+use super::fixed;
 use super::set::VectorSet;
-use crate::operators::{FloatOperator, OperatorConfiguration};
+use crate::operators::{AnyOperator, FloatOperator, OperatorConfiguration};
 use crate::verify::OperandSets;
 
 /// From this number on every operand set is a random one: the hard ones before are far fewer.
@@ -18,15 +19,14 @@ const FIRST_RANDOM_SET: u64 = 1 << 32;
 /// arithmetic's.
 ///
 /// # Panics
-/// Where [`OperatorConfiguration::check`] fails.
-pub fn operator_vectors(choice: OperatorConfiguration, random: u64, seed: u64) -> VectorSet {
-    let OperatorConfiguration {
-        operator: kind,
-        format,
-        ..
-    } = choice;
-    let mut set = VectorSet::new(fields(choice));
-    let widths = kind.operand_widths(format);
+/// Where [`AnyOperator::check`] fails.
+pub fn operator_vectors(choice: impl Into<AnyOperator>, random: u64, seed: u64) -> VectorSet {
+    let choice: AnyOperator = choice.into();
+    let mut set = VectorSet::new(match choice {
+        AnyOperator::Float(choice) => fields(choice),
+        AnyOperator::Fixed(choice) => fixed::fields(choice),
+    });
+    let widths = choice.operand_widths();
     let mut push = |operands: &[u64]| {
         let mut vector = operands.to_vec();
         choice.golden_results(operands, &mut vector);
@@ -38,16 +38,19 @@ pub fn operator_vectors(choice: OperatorConfiguration, random: u64, seed: u64) -
         }
         return set;
     }
-    let specials: Vec<Vec<u64>> = match kind {
-        FloatOperator::FromInteger {
-            value_bits,
-            exponent_bits,
-        } => vec![
-            special_integers(value_bits),
-            special_integers(exponent_bits),
-        ],
-        FloatOperator::DepthFromHeight { bits } => vec![special_integers(bits)],
-        _ => vec![special_floats(format); widths.len()],
+    let specials: Vec<Vec<u64>> = match choice {
+        AnyOperator::Float(choice) => match choice.operator {
+            FloatOperator::FromInteger {
+                value_bits,
+                exponent_bits,
+            } => vec![
+                special_integers(value_bits),
+                special_integers(exponent_bits),
+            ],
+            FloatOperator::DepthFromHeight { bits } => vec![special_integers(bits)],
+            _ => vec![special_floats(choice.format); widths.len()],
+        },
+        AnyOperator::Fixed(choice) => fixed::specials(choice),
     };
     match &specials[..] {
         [all] => all.iter().for_each(|&a| push(&[a])),
@@ -58,7 +61,7 @@ pub fn operator_vectors(choice: OperatorConfiguration, random: u64, seed: u64) -
         }
         _ => unreachable!("operators have one or two operands"),
     }
-    let sets = OperandSets::new(kind, format, random, seed);
+    let sets = OperandSets::of_operator(choice, random, seed);
     let mut operands = Vec::new();
     for k in 0..random {
         sets.set(FIRST_RANDOM_SET + k, &mut operands);
@@ -127,7 +130,7 @@ fn fields(choice: OperatorConfiguration) -> Vec<Field> {
 }
 
 /// Patterns at which float operators change their ways, of either sign.
-fn special_floats(format: FloatFormat) -> Vec<u64> {
+pub(super) fn special_floats(format: FloatFormat) -> Vec<u64> {
     let magnitudes = [
         0,
         format.min_normal() - 1,
@@ -149,7 +152,7 @@ fn special_floats(format: FloatFormat) -> Vec<u64> {
 }
 
 /// Integers at which conversions change their ways.
-fn special_integers(width: u32) -> Vec<u64> {
+pub(super) fn special_integers(width: u32) -> Vec<u64> {
     let full = u64::MAX >> (64 - width);
     let half = 1 << (width - 1);
     let mut all = vec![0, 1, 2, 3, half - 1, half, half + 1, full - 1, full];

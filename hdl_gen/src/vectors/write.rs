@@ -19,7 +19,7 @@ use super::step::step_vectors;
 use crate::datapath::OperatorLatencies;
 use crate::digest::netlist_digest;
 use crate::netlist::Module;
-use crate::operators::{FloatOperator, OperatorConfiguration, stream_unit};
+use crate::operators::{AnyOperator, FloatOperator, OperatorConfiguration, stream_unit};
 use crate::units::{TraverseUnit, UnitConfiguration, build_step_unit};
 
 /// The format of a scene's walk, if hardware can have it.
@@ -113,6 +113,7 @@ pub fn write_vectors(plan: &VectorPlan, folder: &Path) -> Result<Manifest, Vecto
     let mut files = Files::default();
     for choice in plan.operators(format) {
         let latency = plan.latencies.of_operator(choice.operator);
+        let choice = AnyOperator::from(choice);
         let set = operator_vectors(choice, plan.random, plan.seed);
         let seed = (plan.random > 0).then_some(plan.seed);
         files.add_operator(&choice.name(), choice, latency, &set, seed);
@@ -154,7 +155,7 @@ impl Files {
     pub(crate) fn add_operator(
         &mut self,
         stem: &str,
-        choice: OperatorConfiguration,
+        choice: AnyOperator,
         latency: u32,
         set: &VectorSet,
         seed: Option<u64>,
@@ -169,7 +170,8 @@ impl Files {
         // The formula, then what decides of the last bits.
         let said = core.description.iter().enumerate();
         let said = said.filter(|(line, text)| {
-            *line == 0 || text.starts_with("rounding: ") || text.starts_with("policy: ")
+            let decides = ["rounding: ", "policy: ", "overflow: "];
+            *line == 0 || decides.iter().any(|start| text.starts_with(start))
         });
         let said: Vec<&str> = said.map(|(_, text)| text.as_str()).collect();
         let description = said.join("; ");

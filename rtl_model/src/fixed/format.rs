@@ -104,11 +104,6 @@ impl FixedFormat {
             0
         }
     }
-
-    /// The format as a part of a Verilog name, which has no dots: `q12_20`.
-    pub fn identifier(self) -> String {
-        self.to_string().replace('.', "_")
-    }
 }
 
 impl fmt::Display for FixedFormat {

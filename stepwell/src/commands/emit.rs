@@ -147,8 +147,9 @@ fn operator(
     name: &str,
     folder: &std::path::Path,
 ) -> anyhow::Result<Package> {
-    let format = float_format(arguments.replacements.format)?;
-    let chosen = arguments.operator.choose(name, format)?;
+    let chosen = arguments
+        .operator
+        .choose(name, arguments.replacements.format)?;
     Ok(package_operator(
         chosen.configuration,
         chosen.latency,

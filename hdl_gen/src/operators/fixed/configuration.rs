@@ -109,20 +109,32 @@ impl FixedConfiguration {
         }
     }
 
-    /// Its module's name without the latency: the operator, its formats (one where all are the
-    /// same, else the operands', `to` and the result's), what differs from the default, then the
-    /// rounding and what it does beyond the range, as in `fixed_mul_q4_12_rne_saturate`.
-    pub fn name(self) -> String {
-        let mut name = self.operator.name().to_owned();
+    /// Its formats as words: one where all are the same, else the operands', `to` and the result's.
+    fn format_words(self) -> Vec<String> {
         let operands = self.operands();
         let result = self.result_meaning();
         let uniform = operands.iter().all(|&operand| operand == operands[0])
             && (result == operands[0] || !self.operator.rounds());
-        for operand in &operands[..if uniform { 1 } else { operands.len() }] {
-            name += &format!("_{}", identifier(*operand));
-        }
+        let named = &operands[..if uniform { 1 } else { operands.len() }];
+        let mut words: Vec<String> = named.iter().map(|&operand| format_name(operand)).collect();
         if !uniform && self.operator.rounds() {
-            name += &format!("_to_{}", identifier(result));
+            words.extend(["to".to_owned(), format_name(result)]);
+        }
+        words
+    }
+
+    /// Its formats, as reports name them: `q4.12`, or `q4.12 uq0.16 to q12.20` where they differ.
+    pub fn formats(self) -> String {
+        self.format_words().join(" ")
+    }
+
+    /// Its module's name without the latency: the operator, its formats, what differs from the
+    /// default, then the rounding and what it does beyond the range, as in
+    /// `fixed_mul_q4_12_rne_saturate`. A point is no part of a name in Verilog.
+    pub fn name(self) -> String {
+        let mut name = self.operator.name().to_owned();
+        for word in self.format_words() {
+            name += &format!("_{}", word.replace('.', "_"));
         }
         if let FixedOperator::FromFloat { policy, .. } | FixedOperator::ToFloat { policy, .. } =
             self.operator
@@ -240,10 +252,10 @@ impl FixedConfiguration {
     }
 }
 
-/// A format as a part of a Verilog name.
-fn identifier(meaning: Meaning) -> String {
+/// A format by its name.
+fn format_name(meaning: Meaning) -> String {
     match meaning {
-        Meaning::Fixed(format) => format.identifier(),
+        Meaning::Fixed(format) => format.to_string(),
         Meaning::Float(format) => format.to_string(),
         Meaning::Bits | Meaning::Signed => "bits".to_owned(),
     }

@@ -28,12 +28,12 @@ pub(super) struct Special {
     pub to_end: Wire,
     /// On which side; None where nothing is negative.
     pub negative: Option<Wire>,
-    /// The result is zero, whatever else holds.
-    pub to_zero: Wire,
-    /// The flag.
+    /// The result is zero, whatever else holds. None where that cannot be.
+    pub to_zero: Option<Wire>,
+    /// The flag; None where it is never raised.
     pub divides_by_zero: Option<Wire>,
-    /// The flag.
-    pub is_invalid: Wire,
+    /// The flag; None where it is never raised.
+    pub is_invalid: Option<Wire>,
 }
 
 impl Rounded {
@@ -88,8 +88,8 @@ pub(super) fn fit(
         }
         result = ended(builder, configuration, value, to_end, negative);
     }
-    if let Some(special) = special {
-        let keep = builder.not(special.to_zero);
+    if let Some(to_zero) = special.and_then(|special| special.to_zero) {
+        let keep = builder.not(to_zero);
         let keep = builder.sign_extend(keep, format.width());
         result = builder.and(result, keep);
     }
@@ -204,9 +204,12 @@ fn ended(
 fn flags(builder: &mut Builder, rounded: &Rounded, overflow: Option<Wire>) -> Wire {
     builder.section("flags");
     let zero = builder.constant(0, 1);
-    let is_special = rounded.special.map(|special| {
-        let is_special = builder.or(special.to_end, special.to_zero);
-        builder.name(is_special, "is_special")
+    let is_special = rounded.special.map(|special| match special.to_zero {
+        Some(to_zero) => {
+            let is_special = builder.or(special.to_end, to_zero);
+            builder.name(is_special, "is_special")
+        }
+        None => special.to_end,
     });
     let unless_special = |builder: &mut Builder, flag: Option<Wire>| match (flag, is_special) {
         (Some(flag), Some(is_special)) => {
@@ -223,7 +226,7 @@ fn flags(builder: &mut Builder, rounded: &Rounded, overflow: Option<Wire>) -> Wi
     };
     let inexact_flag = unless_special(builder, inexact);
     let divides_by_zero = rounded.special.and_then(|special| special.divides_by_zero);
-    let is_invalid = rounded.special.map(|special| special.is_invalid);
+    let is_invalid = rounded.special.and_then(|special| special.is_invalid);
     let flags = builder.concat(&[
         is_invalid.unwrap_or(zero),
         divides_by_zero.unwrap_or(zero),

@@ -162,9 +162,9 @@ pub(super) fn from_float(
             special: Some(Special {
                 to_end: a_is.is_infinity,
                 negative: Some(a.sign),
-                to_zero: a_is.is_nan,
+                to_zero: Some(a_is.is_nan),
                 divides_by_zero: None,
-                is_invalid,
+                is_invalid: Some(is_invalid),
             }),
             ..rounded
         },

@@ -148,12 +148,22 @@ fn quotient(
     let divisor_nonzero = builder.any_bit(divisor.magnitude);
     let divisor_zero = builder.not(divisor_nonzero);
     builder.name(divisor_zero, "divisor_is_zero");
-    let dividend_nonzero = builder.any_bit(dividend.magnitude);
-    let dividend_zero = builder.not(dividend_nonzero);
-    let divides_by_zero = builder.and(divisor_zero, dividend_nonzero);
-    builder.name(divides_by_zero, "divides_by_zero");
-    let undefined = builder.and(divisor_zero, dividend_zero);
-    builder.name(undefined, "undefined");
+    // A reciprocal's dividend is 1.
+    let is_division = configuration.operator == FixedOperator::Divide;
+    let undefined = is_division.then(|| {
+        let dividend_nonzero = builder.any_bit(dividend.magnitude);
+        let dividend_zero = builder.not(dividend_nonzero);
+        let undefined = builder.and(divisor_zero, dividend_zero);
+        builder.name(undefined, "undefined")
+    });
+    let divides_by_zero = match undefined {
+        Some(undefined) => {
+            let defined = builder.not(undefined);
+            let divides_by_zero = builder.and(divisor_zero, defined);
+            builder.name(divides_by_zero, "divides_by_zero")
+        }
+        None => divisor_zero,
+    };
     let sign = match (dividend.negative, divisor.negative) {
         (Some(a), Some(b)) => {
             let sign = builder.xor(a, b);

@@ -11,7 +11,6 @@ use hdl_gen::operators::{FloatOperator, stream_unit};
 use hdl_gen::units::{UnitConfiguration, build_step_unit};
 use hdl_gen::vectors::{Role, idle_step_results, step_vectors};
 use hdl_gen::verify::{FoundSimulator, OperandSets, StreamRun, VectorSource, random_rays};
-use rtl_model::float::FloatFormat;
 use rtl_model::machine::StallPattern;
 use rtl_model::maps::Pyramid;
 use rtl_model::units::traverse::shape_for;
@@ -34,7 +33,7 @@ const DEFAULT_VECTORS_ICARUS: u64 = 5_000;
 /// A unit with what is sent through it.
 struct Subject {
     unit: Arc<Module>,
-    format: FloatFormat,
+    format: String,
     count: u64,
     exhaustive: bool,
     idle_results: Vec<u64>,
@@ -104,7 +103,7 @@ pub fn verify(arguments: &Arguments, name: &str) -> anyhow::Result<Outcome> {
     let finished = Finished {
         unit,
         simulator: &simulator,
-        format: subject.format.to_string(),
+        format: subject.format,
         method: None,
         map: subject.map,
         comparison,
@@ -124,23 +123,24 @@ fn operator(
     name: &str,
     simulator: &FoundSimulator,
 ) -> anyhow::Result<Subject> {
-    let format = float_format(arguments.replacements.format)?;
     let ChosenOperator {
         configuration,
         latency,
-    } = arguments.operator.choose(name, format)?;
+    } = arguments
+        .operator
+        .choose(name, arguments.replacements.format)?;
     let default_vectors = match simulator {
         FoundSimulator::Verilator(_) => DEFAULT_VECTORS,
         FoundSimulator::Icarus(_) => DEFAULT_VECTORS_ICARUS,
         FoundSimulator::Embedded => DEFAULT_VECTORS_EMBEDDED,
     };
     let count = arguments.vectors.unwrap_or(default_vectors);
-    let sets = OperandSets::new(configuration.operator, format, count, arguments.seed);
+    let sets = OperandSets::of_operator(configuration, count, arguments.seed);
     let mut idle_results = Vec::new();
     configuration.golden_results(&vec![0; sets.width()], &mut idle_results);
     Ok(Subject {
         unit: stream_unit(&configuration.build(latency)),
-        format,
+        format: configuration.formats(),
         count: sets.count(),
         exhaustive: sets.is_exhaustive(),
         idle_results,
@@ -178,7 +178,7 @@ fn step(arguments: &Arguments) -> anyhow::Result<Subject> {
     let count = set.vectors.len() as u64;
     Ok(Subject {
         unit,
-        format,
+        format: format.to_string(),
         count,
         exhaustive: false,
         idle_results: idle,

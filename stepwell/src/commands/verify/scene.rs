@@ -28,6 +28,7 @@ use rtl_model::walker::Walker;
 use super::summary::{Finished, SignalFacts, Summary};
 use super::unit_map::unit_map;
 use super::{Arguments, Outcome};
+use crate::options::NumberFormat;
 use crate::output::OutputFolder;
 use crate::progress;
 use crate::units::float_format;
@@ -59,10 +60,10 @@ pub fn verify_random(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let pyramid = Pyramid::new(&map.source.load(map.channel, map.white_is_low)?);
     let walk = Walk {
         method: arguments.replacements.method.unwrap_or(Method::Oh),
-        format: arguments
-            .replacements
-            .format
-            .unwrap_or(WalkFormat::Float(FloatFormat::E7F16)),
+        format: match arguments.replacements.format {
+            None => WalkFormat::Float(FloatFormat::E7F16),
+            Some(format) => format.of_walk()?,
+        },
     };
     let count = arguments.vectors.unwrap_or(RANDOM_RAYS);
     let rays = random_rays(hardware_format(walk)?, count, arguments.seed);
@@ -100,7 +101,7 @@ fn frame_rays(scene: &Scene, pyramid: &Pyramid) -> anyhow::Result<Vec<Ray<u64>>>
 
 /// The walk's format, if the operators can be built in it.
 fn hardware_format(walk: Walk) -> anyhow::Result<FloatFormat> {
-    let format = float_format(Some(walk.format))?;
+    let format = float_format(Some(NumberFormat::Walk(walk.format)))?;
     FloatOperator::Add.check(format)?;
     Ok(format)
 }
