@@ -5,6 +5,7 @@
 
 mod commands;
 mod numbers;
+mod operand_lines;
 mod operator_options;
 mod options;
 mod output;

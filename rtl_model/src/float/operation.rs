@@ -96,6 +96,39 @@ impl Operation {
         Operation::Floor,
     ];
 
+    /// Shorter names that are read, too: those of Berkeley TestFloat. As there, `lt` and `le` are
+    /// signalling comparisons and `eq` a quiet one.
+    pub const ALIASES: [(&'static str, Operation); 10] = [
+        ("fma", Operation::FusedMultiplyAdd),
+        ("mulAdd", Operation::FusedMultiplyAdd),
+        ("roundToInt", Operation::RoundToIntegral),
+        ("eq", Operation::Compare(Relation::Equal, Comparison::Quiet)),
+        (
+            "lt",
+            Operation::Compare(Relation::LessThan, Comparison::Signalling),
+        ),
+        (
+            "le",
+            Operation::Compare(Relation::LessEqual, Comparison::Signalling),
+        ),
+        (
+            "eq_signaling",
+            Operation::Compare(Relation::Equal, Comparison::Signalling),
+        ),
+        (
+            "lt_quiet",
+            Operation::Compare(Relation::LessThan, Comparison::Quiet),
+        ),
+        (
+            "le_quiet",
+            Operation::Compare(Relation::LessEqual, Comparison::Quiet),
+        ),
+        (
+            "unordered",
+            Operation::Compare(Relation::Unordered, Comparison::Quiet),
+        ),
+    ];
+
     /// What its operands are, in the arithmetic of this format: one, two or three.
     pub fn operands(self, format: FloatFormat) -> Vec<Word> {
         let own = Word::Float(format);
@@ -230,7 +263,12 @@ impl FromStr for Operation {
                 Err(_) => target.parse().ok().map(Operation::ToFloat),
             }
         };
+        let alias = || {
+            let found = Operation::ALIASES.iter().find(|(name, _)| *name == text);
+            found.map(|&(_, operation)| operation)
+        };
         plain
+            .or_else(alias)
             .or_else(comparison)
             .or_else(conversion)
             .ok_or_else(|| UnknownOperation(text.to_owned()))
@@ -258,6 +296,14 @@ mod tests {
         all.push(Operation::FromFloat(FloatFormat::E4F3));
         for operation in all {
             assert_eq!(operation.to_string().parse(), Ok(operation));
+        }
+    }
+
+    #[test]
+    fn aliases_are_no_names() {
+        for (name, operation) in Operation::ALIASES {
+            assert_eq!(name.parse(), Ok(operation));
+            assert_ne!(operation.to_string(), name);
         }
     }
 

@@ -1,6 +1,7 @@
 //! The commands, one a file.
 
 mod emit;
+mod eval;
 mod plan;
 mod render;
 mod trace;
@@ -23,6 +24,7 @@ pub enum Outcome {
 pub enum Command {
     Render(render::Arguments),
     Trace(trace::Arguments),
+    Eval(eval::Arguments),
     Emit(emit::Arguments),
     Verify(verify::Arguments),
     Wavediff(wavediff::Arguments),
@@ -39,6 +41,7 @@ impl Command {
         match self {
             Command::Render(arguments) => render::run(arguments),
             Command::Trace(arguments) => trace::run(arguments),
+            Command::Eval(arguments) => eval::run(arguments),
             Command::Emit(arguments) => emit::run(arguments),
             Command::Vectors(arguments) => vectors::run(arguments),
             Command::Verify(arguments) => verify::run(arguments),
