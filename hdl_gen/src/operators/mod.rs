@@ -26,6 +26,7 @@ mod normalise;
 mod pack;
 mod round;
 mod shift;
+mod significand_product;
 mod stream;
 mod unpack;
 

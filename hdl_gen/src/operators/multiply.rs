@@ -6,6 +6,7 @@ use super::OperatorConfiguration;
 use super::round::{
     Answer, Small, Tail, Unrounded, exponent_constant, exponent_width, gathered, needs_tail, round,
 };
+use super::significand_product::significand_product;
 use super::unpack::{Class, classify, fields, is_signalling, normalise};
 use crate::netlist::Builder;
 
@@ -15,6 +16,7 @@ pub(super) fn multiply(builder: &mut Builder, configuration: OperatorConfigurati
         format,
         policy,
         has_flags,
+        structure,
         ..
     } = configuration;
     let fraction_bits = format.fraction_bits;
@@ -91,8 +93,7 @@ pub(super) fn multiply(builder: &mut Builder, configuration: OperatorConfigurati
     builder.name(a_significand, "multiplicand");
     let b_significand = builder.concat(&[one, b.1]);
     builder.name(b_significand, "multiplier");
-    let product = builder.multiply(a_significand, b_significand);
-    builder.name(product, "significand_product");
+    let product = significand_product(builder, structure.multiplier, a_significand, b_significand);
     let exponent = builder.add(a.0, b.0);
     builder.name(exponent, "exponent_sum");
 
