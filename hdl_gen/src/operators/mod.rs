@@ -17,6 +17,7 @@ mod compare;
 mod configuration;
 mod denormalise;
 mod divide;
+mod early_exponent;
 mod fixed;
 mod golden;
 mod height;

@@ -1,14 +1,46 @@
 //! Multiplication.
 
-use rtl_model::float::Policy;
+use rtl_model::float::{FloatFormat, Policy, Rounding};
 
 use super::OperatorConfiguration;
+use super::early_exponent::{EarlyExponent, round_to_nearest};
 use super::round::{
     Answer, Small, Tail, Unrounded, exponent_constant, exponent_width, gathered, needs_tail, round,
 };
 use super::significand_product::significand_product;
 use super::unpack::{Class, classify, fields, is_signalling, normalise};
-use crate::netlist::Builder;
+use crate::netlist::{Builder, Wire};
+
+/// The exponent is known before the product is, and with it nearly all that can become of a result
+/// that is rounded to nearest and flushed. A directed rounding's largest finite number and the
+/// flags would need too much of what is known only after the rounding.
+fn has_early_exponent(configuration: OperatorConfiguration) -> bool {
+    configuration.rounding == Rounding::NearestEven
+        && configuration.policy == Policy::Flush
+        && !configuration.has_flags
+}
+
+/// The sum of two biased exponents, less the bias, which is a power of two less one: one chain with
+/// a carry in, and its upper bits less one.
+fn biased_sum(builder: &mut Builder, format: FloatFormat, a: Wire, b: Wire) -> Wire {
+    let field_bits = format.exponent_bits;
+    let one = builder.constant(1, 1);
+    let [a, b] = [a, b].map(|exponent| {
+        let field = builder.slice(exponent, field_bits, 0);
+        builder.concat(&[field, one])
+    });
+    let sum = builder.add(a, b);
+    let sum = builder.slice(sum, field_bits + 1, 1);
+    builder.name(sum, "exponents_and_one");
+    let low = builder.slice(sum, field_bits - 2, 0);
+    let middle = builder.bit(sum, field_bits - 1);
+    let top = builder.bit(sum, field_bits);
+    let lower = builder.not(middle);
+    let upper = builder.and(top, middle);
+    let either = builder.or(top, middle);
+    let negative = builder.not(either);
+    builder.concat(&[negative, upper, lower, low])
+}
 
 /// `a * b`: the full product of the significands, normalised by at most one place.
 pub(super) fn multiply(builder: &mut Builder, configuration: OperatorConfiguration) -> Answer {
@@ -94,7 +126,11 @@ pub(super) fn multiply(builder: &mut Builder, configuration: OperatorConfigurati
     let b_significand = builder.concat(&[one, b.1]);
     builder.name(b_significand, "multiplier");
     let product = significand_product(builder, structure.multiplier, a_significand, b_significand);
-    let exponent = builder.add(a.0, b.0);
+    let exponent = if has_early_exponent(configuration) {
+        biased_sum(builder, format, a.0, b.0)
+    } else {
+        builder.add(a.0, b.0)
+    };
     builder.name(exponent, "exponent_sum");
 
     builder.section("normalise: the product is below 4");
@@ -104,18 +140,45 @@ pub(super) fn multiply(builder: &mut Builder, configuration: OperatorConfigurati
     let fraction_at_one = builder.slice(product, product_bits - 3, significand_bits - 1);
     let fraction = builder.mux(reaches_two, fraction_at_two, fraction_at_one);
     builder.name(fraction, "product_fraction");
+    let guard_at_two = builder.bit(product, fraction_bits);
+    let guard_at_one = builder.bit(product, fraction_bits - 1);
+    let guard = builder.mux(reaches_two, guard_at_two, guard_at_one);
+    builder.name(guard, "guard_bit");
+    // The guard bit of a product below two is below the guard bit of one that is not.
+    let below_either = builder.slice(product, fraction_bits - 2, 0);
+    let below_either = gathered(builder, below_either, "product_below_guard");
+
+    if has_early_exponent(configuration) {
+        let last_at_two = builder.bit(product, fraction_bits + 1);
+        let odd_or_below = builder.or(last_at_two, guard_at_one);
+        let odd_or_sticky = builder.mux(reaches_two, odd_or_below, guard_at_two);
+        builder.name(odd_or_sticky, "odd_or_sticky");
+        let result = round_to_nearest(
+            builder,
+            format,
+            &EarlyExponent {
+                sign,
+                exponent,
+                increment: reaches_two,
+                fraction,
+                guard,
+                sticky: below_either,
+                odd_or_sticky,
+                is_nan,
+                is_infinity,
+                is_zero,
+            },
+        );
+        return Answer {
+            result,
+            flags: None,
+        };
+    }
     let adjustment_at_two = exponent_constant(builder, 1 - bias, exponent_word_bits);
     let adjustment_at_one = exponent_constant(builder, -bias, exponent_word_bits);
     let adjustment = builder.mux(reaches_two, adjustment_at_two, adjustment_at_one);
     builder.name(adjustment, "exponent_adjustment");
     let tail = needs_tail(configuration).then(|| {
-        let guard_at_two = builder.bit(product, fraction_bits);
-        let guard_at_one = builder.bit(product, fraction_bits - 1);
-        let guard = builder.mux(reaches_two, guard_at_two, guard_at_one);
-        builder.name(guard, "guard_bit");
-        // The guard bit of a product below two is below the guard bit of one that is not.
-        let below_either = builder.slice(product, fraction_bits - 2, 0);
-        let below_either = gathered(builder, below_either, "product_below_guard");
         let below_at_two = builder.and(reaches_two, guard_at_one);
         let sticky = builder.concat(&[below_at_two, below_either]);
         builder.name(sticky, "sticky_bits");
@@ -124,7 +187,6 @@ pub(super) fn multiply(builder: &mut Builder, configuration: OperatorConfigurati
             sticky: Some(sticky),
         }
     });
-
     round(
         builder,
         configuration,

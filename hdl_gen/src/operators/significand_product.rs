@@ -71,7 +71,11 @@ fn product_by_rows(builder: &mut Builder, a: Wire, b: Wire) -> Wire {
         if excess > 0 {
             let second = rows.pop().expect("as many rows as excess and leaves");
             let third = rows.pop().expect("as many rows as excess and leaves");
-            level.extend(three_to_two(builder, [third, second, first]).into_iter().rev());
+            level.extend(
+                three_to_two(builder, [third, second, first])
+                    .into_iter()
+                    .rev(),
+            );
             excess -= 1;
         } else {
             level.push(first);
