@@ -237,3 +237,59 @@ fn bad_options_are_named_with_the_way_out() {
     let stderr = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
     assert!(stderr.contains("no such file: cannot be read"), "{stderr}");
 }
+
+#[test]
+fn fixed_point_is_evaluated_in_formats_of_its_own() {
+    assert_eq!(
+        results("30 10\n7F 01\n", &["--op", "add", "--format", "q4.4"]),
+        "30 10 40 00\n7F 01 7F 05\n"
+    );
+    let mixed = [
+        "--op",
+        "mul",
+        "--format",
+        "q4.4",
+        "--b-format",
+        "uq0.16",
+        "--result-format",
+        "q12.20",
+        "--rounding",
+        "rdn",
+    ];
+    assert_eq!(results("F0 8000\n", &mixed), "F0 8000 FFF80000 00\n");
+    let wrapping = ["--op", "shift_left", "--format", "q4.4", "--overflow", "wrap"];
+    assert_eq!(results("11 3\n", &wrapping), "11 03 88 05\n");
+    assert_eq!(
+        results("3D5555\n", &["--op", "from_e7f16", "--format", "q4.12"]),
+        "3D5555 0555 01\n"
+    );
+    assert_eq!(
+        results("F000\n", &["--op", "to_e7f16", "--format", "q4.12"]),
+        "F000 BF0000 00\n"
+    );
+    assert_eq!(
+        results("0000\n", &["--op", "reciprocal", "--format", "q4.12"]),
+        "0000 7FFF 08\n"
+    );
+}
+
+#[test]
+fn options_of_fixed_point_are_refused_where_they_say_nothing() {
+    for (options, part) in [
+        (&["--op", "add", "--overflow", "wrap"][..], "--overflow"),
+        (
+            &["--op", "sqrt", "--format", "q4.4"],
+            "of fixed-point numbers there are add",
+        ),
+        (&["--op", "add", "--format", "q40.40"], "80 bits in all"),
+        (
+            &["--op", "negate", "--format", "q4.4", "--b-format", "q4.4"],
+            "no second number",
+        ),
+    ] {
+        let output = eval("00 00\n", options).code(2).get_output().clone();
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(message.contains(part), "{message}");
+        assert!(output.stdout.is_empty());
+    }
+}

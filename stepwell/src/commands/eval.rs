@@ -1,5 +1,7 @@
 //! `stepwell eval`: the golden arithmetic as a filter.
 
+mod fixed;
+
 use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -10,9 +12,13 @@ use anyhow::{anyhow, bail};
 use clap::Args;
 use serde::Serialize;
 
+use rtl_model::fixed::{FixedFormat, FixedFormatError, FixedOperation};
 use rtl_model::float::{
-    Comparison, Flags, FloatFormat, Operation, Policy, Relation, Rounding, SUPPORTED_FORMATS, Word,
+    Comparison, Flags, FloatFormat, Operation, Policy, Relation, Rounding, SUPPORTED_FORMATS,
+    UnknownFloatFormat, Word,
 };
+
+use fixed::FixedOptions;
 
 use super::Outcome;
 use crate::operand_lines::{MOST_OPERANDS, OperandLines, OperandSource, Operands};
@@ -29,7 +35,8 @@ use crate::{progress, terminal};
 /// widths ask for: the line style of Berkeley TestFloat, whose bits the flags have: 01 inexact, 02
 /// underflow, 04 overflow, 08 divide by zero, 10 invalid.
 ///
-/// docs/numerics.md has every corner case of every operator.
+/// docs/numerics.md has every corner case of every operator on floats, docs/fixed_point.md on
+/// fixed-point numbers.
 #[derive(Args, Debug)]
 #[command(after_help = after_help())]
 pub struct Arguments {
@@ -37,7 +44,8 @@ pub struct Arguments {
     #[arg(long, value_name = "OPERATOR")]
     op: String,
 
-    /// Number format: eXfY with X exponent and Y fraction bits, or one of the names below
+    /// Number format: eXfY with X exponent and Y fraction bits, or one of the names below; or fixed
+    /// point, qI.F or uqI.F
     #[arg(long, value_name = "FORMAT", default_value = "e7f16")]
     format: EvaluatedFormat,
 
@@ -49,6 +57,9 @@ pub struct Arguments {
     /// Subnormal numbers: flush reads and writes them as zeros, full has them as in IEEE 754
     #[arg(long, value_name = "POLICY", default_value = "flush")]
     policy: Policy,
+
+    #[command(flatten)]
+    fixed: FixedOptions,
 
     /// Operand file; - reads standard input
     #[arg(long, value_name = "FILE")]
@@ -81,6 +92,13 @@ fn after_help() -> String {
         let alias = supported.alias.unwrap_or_default();
         text += &format!("  {name:7} {alias:9} {}\n", supported.purpose);
     }
+    let fixed = FixedOperation::plain().map(|operation| operation.to_string());
+    text += &format!(
+        "  qI.F, uqI.F       fixed point, signed and unsigned; its operators are\n    {}\n    {}\n    \
+         to_X and from_X with a float format X\n",
+        fixed[..9].join(" "),
+        fixed[9..].join(" ")
+    );
     text += &format!(
         "  eXfY              any with {} to {} exponent and {} to {} fraction bits\n\n",
         FloatFormat::EXPONENT_BITS.start(),
@@ -98,13 +116,24 @@ fn after_help() -> String {
 enum EvaluatedFormat {
     /// A float.
     Float(FloatFormat),
+    /// Fixed point.
+    Fixed(FixedFormat),
 }
 
 impl FromStr for EvaluatedFormat {
-    type Err = rtl_model::float::UnknownFloatFormat;
+    type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        text.parse().map(EvaluatedFormat::Float)
+        match text.parse() {
+            Ok(format) => Ok(EvaluatedFormat::Fixed(format)),
+            Err(FixedFormatError::Unknown { .. }) => {
+                let format = text.parse().map(EvaluatedFormat::Float);
+                format.map_err(|problem: UnknownFloatFormat| {
+                    format!("{problem}; or fixed point, qI.F or uqI.F, such as q12.20")
+                })
+            }
+            Err(problem) => Err(problem.to_string()),
+        }
     }
 }
 
@@ -112,6 +141,7 @@ impl fmt::Display for EvaluatedFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             EvaluatedFormat::Float(format) => write!(f, "{format}"),
+            EvaluatedFormat::Fixed(format) => write!(f, "{format}"),
         }
     }
 }
@@ -127,7 +157,12 @@ struct Evaluator {
 impl Arguments {
     fn evaluator(&self) -> anyhow::Result<Evaluator> {
         match self.format {
+            EvaluatedFormat::Fixed(format) => {
+                self.fixed
+                    .evaluator(&self.op, format, self.policy, self.rounding)
+            }
             EvaluatedFormat::Float(format) => {
+                self.fixed.refuse()?;
                 let operation: Operation =
                     self.op.parse().map_err(|error| anyhow!("--op: {error}"))?;
                 let arithmetic = format.arithmetic(self.policy, self.rounding);
@@ -278,6 +313,8 @@ struct Summary {
     format: String,
     rounding: &'static str,
     policy: &'static str,
+    result_format: Option<String>,
+    overflow: Option<&'static str>,
     operations: u64,
     raised: Raised,
     operands_file: String,
@@ -312,6 +349,11 @@ impl Summary {
             format: arguments.format.to_string(),
             rounding: arguments.rounding.name(),
             policy: arguments.policy.name(),
+            result_format: arguments.fixed.result_format().map(|it| it.to_string()),
+            overflow: match arguments.format {
+                EvaluatedFormat::Float(_) => None,
+                EvaluatedFormat::Fixed(_) => Some(arguments.fixed.overflow().name()),
+            },
             operations: counts.lines,
             raised: Raised {
                 inexact,
