@@ -22,7 +22,8 @@
 //!
 //! Each inexact operator works in three steps: take the operands apart, find the exact result (or
 //! enough leading bits of it, and whether anything follows), hand that to the one rounder in
-//! `rounder.rs`. No host float takes part in a result.
+//! `rounder.rs`. No host float takes part in a result. [`ThroughF64`] is the other route to the same
+//! results, by host floats, and [`slices`] takes it for many numbers at once.
 
 mod arithmetic;
 mod conversion;
@@ -41,8 +42,10 @@ mod product;
 mod root;
 mod rounder;
 mod shorthand;
+pub mod slices;
 mod sum;
 mod supported;
+mod through_f64;
 
 pub use arithmetic::{Answer, FloatArithmetic};
 pub use flags::Flags;
@@ -53,3 +56,4 @@ pub use order::{Comparison, Relation};
 pub use policy::Policy;
 pub use shorthand::ToIntegerError;
 pub use supported::{SUPPORTED_FORMATS, SupportedFormat};
+pub use through_f64::ThroughF64;
