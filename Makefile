@@ -1,6 +1,6 @@
 # Every target can be the first thing that is run in a fresh clone: it installs what it needs.
 .DEFAULT_GOAL := help
-.PHONY: help demo test vectors bench tools doc lint clean
+.PHONY: help demo test vectors bench operators tools doc lint clean
 
 # The project's own tools go before the system's.
 ENVIRONMENT := . tools/environment;
@@ -22,6 +22,9 @@ vectors: tools ## rewrite the committed vectors under vectors/; git diff shows w
 
 bench: tools ## speed of the golden model and of the harness, as ratios within one run
 	$(ENVIRONMENT) cargo bench --workspace --locked
+
+operators: tools ## measure area and speed of the operators anew, into docs/operators.md
+	$(ENVIRONMENT) $(STEPWELL) area --table docs/operators.md
 
 tools: ## install the compiler, simulators and synthesis tools where they are missing
 	@tools/install

@@ -1,5 +1,7 @@
 //! From the golden model's datapaths to Verilog, vectors, testbenches and simulators.
 
+pub mod area;
+mod cache;
 pub mod datapath;
 pub mod digest;
 pub mod emit;

@@ -3,6 +3,7 @@
 
 use super::divergence::{Comparison, Divergence};
 use super::record::HarnessPlan;
+use crate::cache;
 use crate::emit::{EmitError, write_design};
 use crate::netlist::Module;
 use serde::Deserialize;
@@ -251,18 +252,9 @@ impl Verilator {
     }
 }
 
-/// Where compiled designs are kept: `STEPWELL_CACHE`, else the user's cache folder, else a
-/// temporary one.
+/// Where compiled designs are kept.
 fn cache_folder() -> PathBuf {
-    if let Some(folder) = std::env::var_os("STEPWELL_CACHE") {
-        return PathBuf::from(folder);
-    }
-    let cache = std::env::var_os("XDG_CACHE_HOME").map(PathBuf::from);
-    let home = || std::env::var_os("HOME").map(|home| Path::new(&home).join(".cache"));
-    cache
-        .or_else(home)
-        .unwrap_or_else(std::env::temp_dir)
-        .join("stepwell/verilated")
+    cache::folder("verilated")
 }
 
 /// The package folder of PyPI's wheel.

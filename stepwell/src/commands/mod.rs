@@ -1,5 +1,6 @@
 //! The commands, one a file.
 
+mod area;
 mod emit;
 mod eval;
 mod plan;
@@ -28,6 +29,7 @@ pub enum Command {
     Emit(emit::Arguments),
     Verify(verify::Arguments),
     Wavediff(wavediff::Arguments),
+    Area(area::Arguments),
     Plan(plan::Arguments),
     Vectors(vectors::Arguments),
 }
@@ -46,6 +48,7 @@ impl Command {
             Command::Vectors(arguments) => vectors::run(arguments),
             Command::Verify(arguments) => verify::run(arguments),
             Command::Wavediff(arguments) => wavediff::run(arguments),
+            Command::Area(arguments) => area::run(arguments),
             Command::Plan(arguments) => plan::run(arguments),
         }
     }

@@ -1,0 +1,282 @@
+//! What was measured, for people, for programs and for spreadsheets.
+
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+
+use serde::Serialize;
+
+use hdl_gen::area::{Figures, Flow, Versions};
+use hdl_gen::operators::{AnyOperator, FixedOperator, Multiplier, Radix};
+
+use crate::operator_options::ChosenOperator;
+use crate::summary::json;
+
+/// The JSON of a measurement.
+#[derive(Serialize)]
+pub struct Report {
+    schema: &'static str,
+    pub units: Vec<UnitFigures>,
+    seconds: f64,
+}
+
+/// A unit, how it was built, and what it takes.
+#[derive(Clone, Serialize)]
+pub struct UnitFigures {
+    pub unit: &'static str,
+    pub module: String,
+    pub format: String,
+    pub rounding: Option<&'static str>,
+    pub policy: Option<&'static str>,
+    pub flags: bool,
+    pub multiplier: Option<&'static str>,
+    pub radix: Option<u32>,
+    pub latency: u32,
+    /// Look-up tables taken, those of carry cells included.
+    pub lut4: u64,
+    pub lut4_of_logic: u64,
+    pub ff: u64,
+    pub carry: u64,
+    pub dsp: u64,
+    pub fmax_mhz: f64,
+    pub fmax_mhz_of_seeds: Vec<f64>,
+    pub wide_luts: bool,
+    pub lut6: u64,
+    pub xilinx_carry: u64,
+    pub xilinx_dsp: u64,
+    pub kge: f64,
+    pub um2: f64,
+    pub cells: u64,
+    pub delay_ns: f64,
+    /// Of the operator behind its handshakes, as `verify` gives it.
+    pub netlist_digest: String,
+    /// Of the operator itself, which was measured; `verify` gives it too.
+    pub core_digest: String,
+    pub tools: Versions,
+}
+
+/// How an operator is built, as far as floats and fixed point have the same words for it.
+struct Build {
+    unit: &'static str,
+    format: String,
+    rounding: Option<&'static str>,
+    policy: Option<&'static str>,
+    multiplier: Option<&'static str>,
+    radix: Option<u32>,
+}
+
+impl Build {
+    fn of(operator: AnyOperator) -> Build {
+        match operator {
+            AnyOperator::Float(configuration) => Build {
+                unit: configuration.operator.name(),
+                format: configuration.format.to_string(),
+                rounding: configuration
+                    .operator
+                    .rounds()
+                    .then(|| configuration.rounding.name()),
+                policy: Some(configuration.policy.name()),
+                multiplier: Some(match configuration.structure.multiplier {
+                    Multiplier::Dsp => "dsp",
+                    Multiplier::Logic => "logic",
+                }),
+                radix: Some(match configuration.structure.radix {
+                    Radix::Two => 2,
+                    Radix::Four => 4,
+                }),
+            },
+            AnyOperator::Fixed(configuration) => {
+                let (format, policy) = match configuration.operator {
+                    FixedOperator::FromFloat { source, policy } => {
+                        (source.to_string(), Some(policy.name()))
+                    }
+                    FixedOperator::ToFloat { policy, .. } => {
+                        (configuration.a.to_string(), Some(policy.name()))
+                    }
+                    _ => (configuration.a.to_string(), None),
+                };
+                let has_rounding = configuration.operator.rounds();
+                Build {
+                    unit: configuration.operator.name(),
+                    format,
+                    rounding: has_rounding.then(|| configuration.rounding.name()),
+                    policy,
+                    multiplier: None,
+                    radix: None,
+                }
+            }
+        }
+    }
+}
+
+impl UnitFigures {
+    /// What was measured of an operator; the digests are of the unit and of its core.
+    pub fn new(
+        chosen: &ChosenOperator,
+        flow: Flow,
+        (netlist_digest, core_digest): (String, String),
+        figures: Figures,
+        tools: &Versions,
+    ) -> UnitFigures {
+        let Figures {
+            ecp5,
+            xilinx,
+            gates,
+        } = figures;
+        let build = Build::of(chosen.configuration);
+        UnitFigures {
+            unit: build.unit,
+            module: chosen.configuration.module_name(chosen.latency),
+            format: build.format,
+            rounding: build.rounding,
+            policy: build.policy,
+            flags: chosen.configuration.has_flags(),
+            multiplier: build.multiplier,
+            radix: build.radix,
+            latency: chosen.latency,
+            lut4: ecp5.lut4,
+            lut4_of_logic: ecp5.lut4_of_logic,
+            ff: ecp5.ff,
+            carry: ecp5.carry,
+            dsp: ecp5.dsp,
+            fmax_mhz: ecp5.fmax_mhz,
+            fmax_mhz_of_seeds: ecp5.fmax_mhz_of_seeds,
+            wide_luts: flow.wide_luts,
+            lut6: xilinx.lut6,
+            xilinx_carry: xilinx.carry,
+            xilinx_dsp: xilinx.dsp,
+            kge: gates.kge,
+            um2: gates.um2,
+            cells: gates.cells,
+            delay_ns: gates.delay_ns,
+            netlist_digest,
+            core_digest,
+            tools: tools.clone(),
+        }
+    }
+
+    /// The columns of the table and of the CSV file: a title, what is short for people, and the
+    /// value.
+    fn columns(&self) -> [(&'static str, &'static str, String); 25] {
+        let seeds: Vec<String> = self.fmax_mhz_of_seeds.iter().map(f64::to_string).collect();
+        [
+            ("unit", "", self.unit.to_owned()),
+            ("module", "unit", self.module.clone()),
+            ("format", "", self.format.clone()),
+            ("rounding", "", self.rounding.unwrap_or_default().to_owned()),
+            ("policy", "", self.policy.unwrap_or_default().to_owned()),
+            ("flags", "", self.flags.to_string()),
+            ("latency", "cycles", self.latency.to_string()),
+            ("lut4", "LUT4", self.lut4.to_string()),
+            ("lut4_of_logic", "of logic", self.lut4_of_logic.to_string()),
+            ("ff", "FF", self.ff.to_string()),
+            ("carry", "carry", self.carry.to_string()),
+            ("dsp", "DSP", self.dsp.to_string()),
+            ("fmax_mhz", "MHz", self.fmax_mhz.to_string()),
+            ("fmax_mhz_of_seeds", "", seeds.join(" ")),
+            ("wide_luts", "", self.wide_luts.to_string()),
+            ("lut6", "LUT6", self.lut6.to_string()),
+            ("xilinx_dsp", "", self.xilinx_dsp.to_string()),
+            ("kge", "kGE", self.kge.to_string()),
+            ("um2", "um2", self.um2.to_string()),
+            ("delay_ns", "ns", self.delay_ns.to_string()),
+            ("netlist_digest", "netlist", self.netlist_digest.clone()),
+            (
+                "core_digest",
+                "without handshakes",
+                self.core_digest.clone(),
+            ),
+            ("yosys", "", self.tools.yosys.clone()),
+            ("nextpnr", "", self.tools.nextpnr.clone()),
+            ("cells", "", self.tools.cells.clone()),
+        ]
+    }
+}
+
+impl Report {
+    pub fn new(units: Vec<UnitFigures>, time: Duration) -> Report {
+        Report {
+            schema: "stepwell-area-1",
+            units,
+            seconds: time.as_secs_f64(),
+        }
+    }
+
+    pub fn json(&self) -> anyhow::Result<String> {
+        json(self)
+    }
+
+    /// Writes `area.json` and `area.csv`.
+    pub fn write(&self, folder: &Path) -> anyhow::Result<()> {
+        fs::write(folder.join("area.json"), self.json()?)?;
+        fs::write(folder.join("area.csv"), self.csv())?;
+        Ok(())
+    }
+
+    fn csv(&self) -> String {
+        let mut lines = Vec::new();
+        for unit in &self.units {
+            let columns = unit.columns();
+            if lines.is_empty() {
+                lines.push(
+                    columns
+                        .each_ref()
+                        .map(|column| column.0.to_owned())
+                        .join(","),
+                );
+            }
+            lines.push(columns.map(|(_, _, value)| value).join(","));
+        }
+        lines.join("\n") + "\n"
+    }
+
+    /// A line a unit, under titles.
+    pub fn text(&self) -> String {
+        let mut rows: Vec<Vec<String>> = Vec::new();
+        for unit in &self.units {
+            let shown = unit
+                .columns()
+                .into_iter()
+                .filter(|column| !column.1.is_empty());
+            let (titles, values): (Vec<_>, Vec<_>) = shown
+                .map(|(_, title, value)| (title.to_owned(), value))
+                .unzip();
+            if rows.is_empty() {
+                rows.push(titles);
+            }
+            rows.push(values);
+        }
+        let mut text = aligned(&rows);
+        if let Some(unit) = self.units.first() {
+            let tools = &unit.tools;
+            let (yosys, nextpnr, cells) = (&tools.yosys, &tools.nextpnr, &tools.cells);
+            text += &format!("{yosys}, {nextpnr}, cells of {cells}\n");
+        }
+        text
+    }
+}
+
+/// Columns, numbers to the right.
+fn aligned(rows: &[Vec<String>]) -> String {
+    let columns = rows.first().map_or(0, Vec::len);
+    let width = |column: usize| {
+        let cells = rows.iter().map(|row| row[column].len());
+        cells.max().unwrap_or_default()
+    };
+    let numeric = |column: usize| {
+        let mut values = rows.iter().skip(1).map(|row| &row[column]);
+        values.all(|value| value.parse::<f64>().is_ok() && value.len() < 16)
+    };
+    let mut text = String::new();
+    for row in rows {
+        let cells: Vec<String> = (0..columns)
+            .map(|column| match (numeric(column), width(column)) {
+                (true, width) => format!("{:>width$}", row[column]),
+                (false, width) => format!("{:width$}", row[column]),
+            })
+            .collect();
+        text += cells.join("  ").trim_end();
+        text.push('\n');
+    }
+    text
+}
