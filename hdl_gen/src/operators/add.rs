@@ -254,9 +254,14 @@ pub(super) fn add(
         let fraction_zero = builder.not(fraction_nonzero);
         let infinities_differ = builder.and(both_differ, fraction_zero);
         builder.name(infinities_differ, "infinities_differ");
-        let signalling = [(&a, a_is_special, "a"), (&b, b_is_special, "b")];
-        let [a_signals, b_signals] = signalling
-            .map(|(operand, special, name)| is_signalling(builder, operand, special, name));
+        let mut signals = |operand: &Fields, is_special, name| {
+            let fraction_nonzero = builder.any_bit(operand.fraction);
+            builder.name(fraction_nonzero, format!("{name}_fraction_nonzero"));
+            let is_nan = builder.and(is_special, fraction_nonzero);
+            is_signalling(builder, operand, is_nan, name)
+        };
+        let a_signals = signals(&a, a_is_special, "a");
+        let b_signals = signals(&b, b_is_special, "b");
         let any_signals = builder.or(a_signals, b_signals);
         builder.or(any_signals, infinities_differ)
     });

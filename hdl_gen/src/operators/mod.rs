@@ -25,6 +25,7 @@ mod integer;
 mod multiply;
 mod normalise;
 mod pack;
+mod product_alignment;
 mod round;
 mod shift;
 mod significand_product;

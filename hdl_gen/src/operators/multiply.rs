@@ -4,11 +4,13 @@ use rtl_model::float::{FloatFormat, Policy, Rounding};
 
 use super::OperatorConfiguration;
 use super::early_exponent::{EarlyExponent, round_to_nearest};
+use super::pack::inexact;
+use super::product_alignment::{align, alignment};
 use super::round::{
     Answer, Small, Tail, Unrounded, exponent_constant, exponent_width, gathered, needs_tail, round,
 };
 use super::significand_product::significand_product;
-use super::unpack::{Class, classify, fields, is_signalling, normalise};
+use super::unpack::{classify, effective_exponent, fields, is_signalling};
 use crate::netlist::{Builder, Wire};
 
 /// The exponent is known before the product is, and with it nearly all that can become of a result
@@ -25,10 +27,8 @@ fn has_early_exponent(configuration: OperatorConfiguration) -> bool {
 fn biased_sum(builder: &mut Builder, format: FloatFormat, a: Wire, b: Wire) -> Wire {
     let field_bits = format.exponent_bits;
     let one = builder.constant(1, 1);
-    let [a, b] = [a, b].map(|exponent| {
-        let field = builder.slice(exponent, field_bits, 0);
-        builder.concat(&[field, one])
-    });
+    let zero = builder.constant(0, 1);
+    let [a, b] = [a, b].map(|field| builder.concat(&[zero, field, one]));
     let sum = builder.add(a, b);
     let sum = builder.slice(sum, field_bits + 1, 1);
     builder.name(sum, "exponents_and_one");
@@ -36,10 +36,19 @@ fn biased_sum(builder: &mut Builder, format: FloatFormat, a: Wire, b: Wire) -> W
     let middle = builder.bit(sum, field_bits - 1);
     let top = builder.bit(sum, field_bits);
     let lower = builder.not(middle);
-    let upper = builder.and(top, middle);
+    let differ = builder.xor(top, middle);
+    let upper = builder.not(differ);
     let either = builder.or(top, middle);
     let negative = builder.not(either);
     builder.concat(&[negative, upper, lower, low])
+}
+
+/// The lower bits of a word, with zeros in front where it has not as many.
+fn resized(builder: &mut Builder, word: Wire, width: u32) -> Wire {
+    match builder.width(word) {
+        narrow if narrow < width => builder.zero_extend(word, width),
+        _ => builder.slice(word, width - 1, 0),
+    }
 }
 
 /// `a * b`: the full product of the significands, normalised by at most one place.
@@ -61,16 +70,24 @@ pub(super) fn multiply(builder: &mut Builder, configuration: OperatorConfigurati
     );
     let bias = i64::from(format.exponent_bias());
     let largest_field = i64::try_from(format.exponent_all_ones() - 1).expect("11 bits at most");
-    let smallest_exponent = match policy {
-        Policy::Flush => 1,
-        Policy::Full => 1 - i64::from(fraction_bits),
+    // Where subnormal numbers are full the exponent ends at 0, and they are encoded.
+    let smallest = match policy {
+        Policy::Flush => 2 - bias,
+        Policy::Full => 0,
     };
-    let exponent_range = 2 * smallest_exponent - bias..=2 * largest_field - bias + 1;
+    let exponent_range = smallest..=2 * largest_field - bias + 1;
     let exponent_word_bits = exponent_width(format, &exponent_range);
     builder.localparam(
         "EXPONENT_BITS",
         exponent_word_bits.into(),
-        "a two's complement exponent from the smallest squared to the largest squared",
+        match policy {
+            Policy::Flush => {
+                "a two's complement exponent from the smallest squared to the largest squared"
+            }
+            Policy::Full => {
+                "an exponent from that of subnormal numbers to that of the largest squared"
+            }
+        },
     );
 
     let a_i = builder.input("a_i", format.width());
@@ -101,35 +118,66 @@ pub(super) fn multiply(builder: &mut Builder, configuration: OperatorConfigurati
         builder.or(zero_by_infinity, any_is_signalling)
     });
 
-    let (a, b) = match policy {
-        Policy::Flush => {
-            let a_wide = builder.zero_extend(a.exponent, exponent_word_bits);
-            let b_wide = builder.zero_extend(b.exponent, exponent_word_bits);
-            ((a_wide, a.fraction), (b_wide, b.fraction))
-        }
-        Policy::Full => {
-            builder.section("normalise subnormal operands");
-            let mut normalised = |operand, class: &Class, name| {
-                let exponent_nonzero = class.exponent_nonzero;
-                let normalised =
-                    normalise(builder, operand, exponent_nonzero, exponent_word_bits, name);
-                (normalised.exponent, normalised.fraction)
-            };
-            (normalised(&a, &a_is, "a"), normalised(&b, &b_is, "b"))
-        }
-    };
-
     builder.section("multiply the significands, add the exponents");
-    let one = builder.constant(1, 1);
-    let a_significand = builder.concat(&[one, a.1]);
+    let (a_hidden, b_hidden) = match policy {
+        Policy::Flush => (builder.constant(1, 1), builder.constant(1, 1)),
+        Policy::Full => (a_is.exponent_nonzero, b_is.exponent_nonzero),
+    };
+    let a_significand = builder.concat(&[a_hidden, a.fraction]);
     builder.name(a_significand, "multiplicand");
-    let b_significand = builder.concat(&[one, b.1]);
+    let b_significand = builder.concat(&[b_hidden, b.fraction]);
     builder.name(b_significand, "multiplier");
     let product = significand_product(builder, structure.multiplier, a_significand, b_significand);
+    if policy == Policy::Full {
+        let a_exponent = effective_exponent(builder, &a, a_hidden, "a");
+        let b_exponent = effective_exponent(builder, &b, b_hidden, "b");
+        let sum = biased_sum(builder, format, a_exponent, b_exponent);
+        builder.name(sum, "exponent_sum");
+        builder.section("place the product: left for a subnormal operand, right for a result");
+        let alignment = alignment(builder, format, [&a, &b], [a_hidden, b_hidden], sum);
+        let aligned = align(
+            builder,
+            format,
+            configuration.rounding,
+            sign,
+            product,
+            &alignment,
+        );
+        let exponent = resized(builder, aligned.exponent, exponent_word_bits);
+        let adjustment = builder.zero_extend(aligned.increment, exponent_word_bits);
+        let tail = needs_tail(configuration).then_some(Tail {
+            guard: aligned.guard,
+            sticky: Some(aligned.sticky),
+        });
+        let underflow = has_flags.then(|| {
+            let inexact = inexact(builder, tail);
+            builder.and(aligned.is_tiny, inexact)
+        });
+        return round(
+            builder,
+            configuration,
+            &Unrounded {
+                sign,
+                exponent,
+                adjustment,
+                exponent_range,
+                fraction: aligned.fraction,
+                tail,
+                is_nan: Some(is_nan),
+                is_infinity: Some(is_infinity),
+                is_zero: Some(is_zero),
+                is_invalid,
+                divides_by_zero: None,
+                small: Small::Encoded { underflow },
+            },
+        );
+    }
     let exponent = if has_early_exponent(configuration) {
-        biased_sum(builder, format, a.0, b.0)
+        biased_sum(builder, format, a.exponent, b.exponent)
     } else {
-        builder.add(a.0, b.0)
+        let a_wide = builder.zero_extend(a.exponent, exponent_word_bits);
+        let b_wide = builder.zero_extend(b.exponent, exponent_word_bits);
+        builder.add(a_wide, b_wide)
     };
     builder.name(exponent, "exponent_sum");
 

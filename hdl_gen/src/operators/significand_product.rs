@@ -3,7 +3,7 @@
 use super::configuration::Multiplier;
 use crate::netlist::{Builder, Wire};
 
-/// The full product of two significands, whose first bits are ones.
+/// The full product of two significands.
 pub(super) fn significand_product(
     builder: &mut Builder,
     multiplier: Multiplier,
@@ -47,8 +47,11 @@ fn product_by_rows(builder: &mut Builder, a: Wire, b: Wire) -> Wire {
     let mut rows = Vec::new();
     for place in (0..builder.width(b)).step_by(2) {
         if place + 1 == builder.width(b) {
-            // The last one is the significand's first bit: always one.
-            let word = builder.zero_extend(a, width + 1);
+            let top = builder.bit(b, place);
+            let once = builder.slice(once, width, 0);
+            let none = builder.slice(none, width, 0);
+            let word = builder.mux(top, once, none);
+            builder.name(word, format!("row_{place}"));
             rows.push(Row { word, place });
             break;
         }

@@ -90,20 +90,17 @@ pub(super) fn classify(
     }
 }
 
-/// Is it a signalling NaN: a special pattern whose fraction begins with 0 and is not 0?
+/// Is this NaN a signalling one: does its fraction begin with 0?
 pub(super) fn is_signalling(
     builder: &mut Builder,
     operand: &Fields,
-    is_special: Wire,
+    is_nan: Wire,
     name: &str,
 ) -> Wire {
     let top = builder.width(operand.fraction) - 1;
     let quiet = builder.bit(operand.fraction, top);
-    let below = builder.slice(operand.fraction, top - 1, 0);
-    let below_nonzero = builder.any_bit(below);
     let not_quiet = builder.not(quiet);
-    let would_signal = builder.and(below_nonzero, not_quiet);
-    let is_signalling = builder.and(is_special, would_signal);
+    let is_signalling = builder.and(is_nan, not_quiet);
     builder.name(is_signalling, format!("{name}_is_signalling"))
 }
 
@@ -124,6 +121,7 @@ pub(super) fn effective_exponent(
 }
 
 /// A nonzero operand with a one before its point.
+#[allow(dead_code)] // for the operators that take their operands apart bit by bit
 pub(super) struct Normalised {
     /// The biased exponent, below 1 for a subnormal number: two's complement in as many bits as
     /// asked for.
@@ -133,6 +131,7 @@ pub(super) struct Normalised {
 }
 
 /// Moves a subnormal operand's leading one before the point, and its exponent down by as much.
+#[allow(dead_code)] // see `Normalised`
 pub(super) fn normalise(
     builder: &mut Builder,
     operand: &Fields,
