@@ -257,7 +257,14 @@ fn fixed_point_is_evaluated_in_formats_of_its_own() {
         "rdn",
     ];
     assert_eq!(results("F0 8000\n", &mixed), "F0 8000 FFF80000 00\n");
-    let wrapping = ["--op", "shift_left", "--format", "q4.4", "--overflow", "wrap"];
+    let wrapping = [
+        "--op",
+        "shift_left",
+        "--format",
+        "q4.4",
+        "--overflow",
+        "wrap",
+    ];
     assert_eq!(results("11 3\n", &wrapping), "11 03 88 05\n");
     assert_eq!(
         results("3D5555\n", &["--op", "from_e7f16", "--format", "q4.12"]),
