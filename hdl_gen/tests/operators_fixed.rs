@@ -6,7 +6,7 @@ mod bench;
 use bench::{Bench, Mismatch, Random};
 use hdl_gen::fault::plant;
 use hdl_gen::netlist::Meaning;
-use hdl_gen::operators::{FixedConfiguration, FixedOperator};
+use hdl_gen::operators::{FixedConfiguration, FixedOperator, Multiplier};
 use rayon::prelude::*;
 use rtl_model::fixed::{FixedFormat, Overflow};
 use rtl_model::float::{FloatFormat, Policy, Rounding};
@@ -131,6 +131,23 @@ fn every_small_word_alone_agrees() {
         }
     }
     assert!(all_agree(configurations, 0) > 500_000);
+}
+
+#[test]
+fn products_without_a_dsp_block_agree() {
+    let formats =
+        (1..=6).flat_map(|width| [FixedFormat::q(1, width - 1), FixedFormat::uq(width, 0)]);
+    let formats: Vec<FixedFormat> = formats.collect();
+    let mut configurations = Vec::new();
+    for &a in &formats {
+        for &b in &formats {
+            let result = FixedFormat::q(4, 3);
+            let ways = every_way(FixedOperator::Multiply, a, b, result).into_iter();
+            configurations.extend(ways.map(|one| one.with_multiplier(Multiplier::Logic)));
+        }
+    }
+    assert!(configurations[0].name().ends_with("_logic_rne_saturate"));
+    assert!(all_agree(configurations, 0) > 200_000);
 }
 
 #[test]

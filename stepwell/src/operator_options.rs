@@ -168,7 +168,10 @@ impl OperatorOptions {
         name: &str,
         format: Option<NumberFormat>,
     ) -> anyhow::Result<ChosenOperator> {
-        self.refuse(name, &["--multiplier", "--radix"])?;
+        self.refuse(name, &["--radix"])?;
+        if name != "fixed_mul" {
+            self.refuse(name, &["--multiplier"])?;
+        }
         let is_conversion = matches!(name, "fixed_from_float" | "fixed_to_float");
         if !is_conversion {
             self.refuse(name, &["--policy"])?;
@@ -227,6 +230,7 @@ impl OperatorOptions {
             rounding: self.rounding.unwrap_or(Rounding::NearestEven),
             overflow: self.overflow.unwrap_or_default(),
             has_flags: self.flags,
+            multiplier: self.multiplier.unwrap_or_default(),
         };
         configuration.check()?;
         Ok(ChosenOperator {

@@ -7,7 +7,7 @@ use rtl_model::fixed::{FixedFormat, Overflow};
 use rtl_model::float::Flags;
 use rtl_model::float::{Policy, Rounding};
 
-use super::super::{FloatOperator, UnsupportedOperator};
+use super::super::{FloatOperator, Multiplier, UnsupportedOperator};
 use super::{FixedOperator, align, build, float, product, quotient, shift, word_fits};
 use crate::netlist::{Builder, Meaning, Module};
 use crate::pipeline::{pipelined, without_unused};
@@ -30,6 +30,8 @@ pub struct FixedConfiguration {
     pub overflow: Overflow,
     /// Has it the port `flags_o`, [`Flags::WIDTH`] bits in the order of [`Flags`]?
     pub has_flags: bool,
+    /// What a product is made of; nothing of it changes a bit of the result.
+    pub multiplier: Multiplier,
 }
 
 impl FixedConfiguration {
@@ -48,7 +50,13 @@ impl FixedConfiguration {
             rounding,
             overflow,
             has_flags: false,
+            multiplier: Multiplier::Dsp,
         }
+    }
+
+    /// With its product, where it has one, made of this.
+    pub fn with_multiplier(self, multiplier: Multiplier) -> FixedConfiguration {
+        FixedConfiguration { multiplier, ..self }
     }
 
     /// With operands of these formats.
@@ -146,6 +154,9 @@ impl FixedConfiguration {
             if self.has_flags {
                 name += "_flags";
             }
+            if self.multiplier == Multiplier::Logic {
+                name += "_logic";
+            }
             name += &format!("_{}", self.rounding);
         }
         if self.operator.has_fixed_result() {
@@ -174,7 +185,7 @@ impl FixedConfiguration {
             }
             FixedOperator::Negate => fits("exact result", self.a.width() + 1),
             FixedOperator::Convert => fits("operand with a place for a carry", self.a.width() + 1),
-            FixedOperator::Multiply => fits("exact product", product::width(self.a, self.b)),
+            FixedOperator::Multiply => fits("exact product", product::widest_word(self)),
             FixedOperator::Divide | FixedOperator::Reciprocal => {
                 fits("widest word", quotient::widest_word(self))
             }

@@ -2,6 +2,8 @@
 
 use rtl_model::fixed::FixedFormat;
 
+use super::super::Multiplier;
+use super::super::significand_product::significand_product;
 use super::round::{Exact, round};
 use super::{Answer, FixedConfiguration, operand};
 use crate::netlist::{Builder, Wire};
@@ -9,6 +11,26 @@ use crate::netlist::{Builder, Wire};
 /// Bits of the exact product of two numbers.
 pub(super) fn width(a: FixedFormat, b: FixedFormat) -> u32 {
     a.width() + b.width()
+}
+
+/// Bits of the widest word of a multiplication.
+pub(super) fn widest_word(configuration: FixedConfiguration) -> u32 {
+    let FixedConfiguration { a, b, .. } = configuration;
+    let is_odd = configuration.multiplier == Multiplier::Logic && b.width() % 2 == 1;
+    width(a, b) + u32::from(is_odd)
+}
+
+/// The product of two words read as unsigned.
+fn unsigned_product(builder: &mut Builder, multiplier: Multiplier, a: Wire, b: Wire) -> Wire {
+    let bits = builder.width(a) + builder.width(b);
+    if multiplier == Multiplier::Dsp {
+        return builder.multiply(a, b);
+    }
+    // Rows take two bits each; the last of an odd number of them would be taken for a one.
+    let even = builder.width(b).next_multiple_of(2);
+    let b = builder.zero_extend(b, even);
+    let product = significand_product(builder, multiplier, a, b);
+    builder.slice(product, bits - 1, 0)
 }
 
 /// `a * b`: the product of the words read as unsigned, corrected for their signs.
@@ -22,7 +44,7 @@ pub(super) fn multiply(builder: &mut Builder, configuration: FixedConfiguration)
     let a_i = operand(builder, "a_i", a);
     let b_i = operand(builder, "b_i", b);
     builder.section("multiply");
-    let mut product = builder.multiply(a_i, b_i);
+    let mut product = unsigned_product(builder, configuration.multiplier, a_i, b_i);
     builder.name(product, "unsigned_product");
     // The first bit of a two's complement word weighs minus what it weighs in an unsigned one: the
     // product is too large by the other operand, moved above the word, twice.
