@@ -17,8 +17,9 @@ test: lint ## everything CI checks: format, lints, documentation, all tests
 	$(ENVIRONMENT) cargo test --workspace --locked --lib --bins --tests --examples
 
 vectors: tools ## rewrite the committed vectors under vectors/; git diff shows what changed
-	rm -f vectors/*.hex
+	rm -f vectors/*.hex vectors/fp24/*.txt
 	$(ENVIRONMENT) $(STEPWELL) vectors -o vectors
+	$(ENVIRONMENT) $(STEPWELL) corpus -o vectors/fp24
 
 bench: tools ## speed of the golden model and of the harness, as ratios within one run
 	$(ENVIRONMENT) cargo bench --workspace --locked

@@ -2,6 +2,7 @@
 
 pub mod area;
 mod cache;
+pub mod corpus;
 pub mod datapath;
 pub mod digest;
 pub mod emit;

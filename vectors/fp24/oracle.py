@@ -276,7 +276,7 @@ def to_integral(says_inexact):
     return operation
 
 
-def to_integer(width, signed):
+def to_integer(width, signed, says_inexact):
     least = -(1 << (width - 1)) if signed else 0
     most = (1 << (width - (1 if signed else 0))) - 1
     mask = (1 << width) - 1
@@ -290,7 +290,7 @@ def to_integer(width, signed):
         integer = -integer if a.negative else integer
         if not least <= integer <= most:
             return (least if a.negative else most) & mask, INVALID
-        return integer & mask, 0 if exact else INEXACT
+        return integer & mask, 0 if exact or not says_inexact else INEXACT
 
     return operation
 
@@ -340,7 +340,7 @@ def operations(format):
         "fused_multiply_add": (own * 3, fused_multiply_add),
         "min": (own * 2, extremum(False)),
         "max": (own * 2, extremum(True)),
-        "unordered": (own * 2, unordered),
+        "unordered_quiet": (own * 2, unordered),
         "round_to_integral": (own, to_integral(False)),
         "round_to_integral_exact": (own, to_integral(True)),
     }
@@ -350,7 +350,8 @@ def operations(format):
     for width in (16, 32, 64):
         for prefix, signed in [("i", True), ("u", False)]:
             integer = f"{prefix}{width}"
-            table["to_" + integer] = (own, to_integer(width, signed))
+            table["to_" + integer] = (own, to_integer(width, signed, False))
+            table["to_" + integer + "_exact"] = (own, to_integer(width, signed, True))
             table["from_" + integer] = ([None], from_integer(width, signed))
     for other in ("e5f10", "e8f7", "e8f23", "e11f52"):
         table["to_" + other] = (own, convert_to(Format(other)))

@@ -224,7 +224,8 @@ impl ManifestFile {
     }
 }
 
-fn sha256(text: &str) -> String {
+/// 64 hexadecimal digits.
+pub(crate) fn sha256(text: &str) -> String {
     let digest = Sha256::digest(text);
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }

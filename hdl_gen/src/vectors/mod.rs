@@ -20,6 +20,7 @@ mod write;
 
 pub use error::VectorError;
 pub use field::{Field, FieldFormat, Role};
+pub(crate) use manifest::sha256;
 pub use manifest::{Manifest, ManifestField, ManifestFile};
 pub use operators::operator_vectors;
 pub use rays::{RayVectors, ray_vectors, scene_rays};

@@ -8,7 +8,7 @@ mod operands;
 mod random_rays;
 mod record;
 mod simulator;
-mod split_mix;
+pub(crate) mod split_mix;
 mod stream;
 mod traverse;
 mod vectors;

@@ -101,6 +101,8 @@ impl FloatFormat {
 
     /// The 24-bit float of the traverse unit.
     pub const E7F16: FloatFormat = FloatFormat::new(7, 16);
+    /// IEEE 754 binary32, the `f32` of the host.
+    pub const SINGLE: FloatFormat = FloatFormat::new(8, 23);
     /// A format of eight bits, small enough for every operand pair to be tried.
     pub const E4F3: FloatFormat = FloatFormat::new(4, 3);
 

@@ -1,6 +1,7 @@
 //! The commands, one a file.
 
 mod area;
+mod corpus;
 mod emit;
 mod eval;
 mod plan;
@@ -32,6 +33,7 @@ pub enum Command {
     Area(area::Arguments),
     Plan(plan::Arguments),
     Vectors(vectors::Arguments),
+    Corpus(corpus::Arguments),
 }
 
 impl Command {
@@ -45,6 +47,7 @@ impl Command {
             Command::Trace(arguments) => trace::run(arguments),
             Command::Eval(arguments) => eval::run(arguments),
             Command::Emit(arguments) => emit::run(arguments),
+            Command::Corpus(arguments) => corpus::run(arguments),
             Command::Vectors(arguments) => vectors::run(arguments),
             Command::Verify(arguments) => verify::run(arguments),
             Command::Wavediff(arguments) => wavediff::run(arguments),
