@@ -13,10 +13,12 @@ use std::sync::Arc;
 
 use hdl_gen::fault::plant;
 use hdl_gen::netlist::{Builder, Module, Operation, Wire};
-use hdl_gen::operators::{FloatOperator, OperatorConfiguration, stream_unit};
+use hdl_gen::operators::{
+    FloatOperator, Multiplier, OperatorConfiguration, Structure, stream_unit,
+};
 use hdl_gen::pipeline::ENABLE;
 use hdl_gen::verify::{Comparison, OperandSets, StreamRun};
-use rtl_model::float::{FloatFormat, Rounding};
+use rtl_model::float::{FloatFormat, Policy, Rounding};
 use rtl_model::machine::StallPattern;
 
 use operators::every_operator;
@@ -30,29 +32,61 @@ const PAIRS: u64 = 1_000_000;
 /// All operators of a format behind one handshake.
 struct Gallery {
     format: FloatFormat,
-    operators: Vec<(FloatOperator, Rounding)>,
+    operators: Vec<OperatorConfiguration>,
     unit: Arc<Module>,
 }
 
 impl Gallery {
-    /// Builds it: operands `a_i` and `b_i`, outputs named as the operator, its rounding and, where
-    /// it has several, its port.
+    /// Every operator in every rounding, as the hardware has them unless told otherwise.
     fn new(format: FloatFormat) -> Gallery {
-        let operators = every_operator(format);
+        let default = |(operator, rounding)| OperatorConfiguration::new(operator, format, rounding);
+        let operators = every_operator(format).into_iter().map(default);
+        Gallery::of(format, operators.collect())
+    }
+
+    /// Sums and products with subnormal numbers and flags, and without DSP blocks.
+    fn with_policies(format: FloatFormat) -> Gallery {
+        let kinds = [
+            (FloatOperator::Add, Multiplier::Dsp),
+            (FloatOperator::Subtract, Multiplier::Dsp),
+            (FloatOperator::Multiply, Multiplier::Dsp),
+            (FloatOperator::Multiply, Multiplier::Logic),
+        ];
+        let mut operators = Vec::new();
+        for (operator, multiplier) in kinds {
+            for rounding in Rounding::ALL {
+                for policy in Policy::ALL {
+                    let structure = Structure {
+                        multiplier,
+                        ..Structure::default()
+                    };
+                    let configuration = OperatorConfiguration::new(operator, format, rounding)
+                        .with_policy(policy)
+                        .with_structure(structure);
+                    operators.push(configuration.with_flags());
+                }
+            }
+        }
+        Gallery::of(format, operators)
+    }
+
+    /// Builds it: operands `a_i` and `b_i`, outputs named as the operator's module and, where it
+    /// has several, its port.
+    fn of(format: FloatFormat, operators: Vec<OperatorConfiguration>) -> Gallery {
         let mut builder = Builder::new(format!("gallery_{format}"));
         builder.describe("Every operator in every rounding, side by side.");
         builder.set_latency(LATENCY);
         let enable = builder.input(ENABLE, 1);
         let a = builder.input("a_i", format.width());
         let b = builder.input("b_i", format.width());
-        for &(operator, rounding) in &operators {
-            let module = OperatorConfiguration::new(operator, format, rounding).build(LATENCY);
-            let widths = operator.operand_widths(format);
+        for &configuration in &operators {
+            let module = configuration.build(LATENCY);
+            let widths = configuration.operator.operand_widths(format);
             let mut ports = vec![enable];
             for (operand, width) in [a, b].into_iter().zip(widths) {
                 ports.push(low_bits(&mut builder, operand, width));
             }
-            let instance = instance_name(operator, rounding);
+            let instance = configuration.name();
             let results = builder.instance(&instance, &module, &ports);
             for (&result, (port, _)) in results.iter().zip(&module.outputs) {
                 builder.output(&output_name(&instance, port), result);
@@ -72,13 +106,13 @@ impl Gallery {
 
     /// Appends what every output must be.
     fn golden(&self, pair: &[u64], results: &mut Vec<u64>) {
-        for &(operator, rounding) in &self.operators {
+        for &configuration in &self.operators {
             let mut operands = [0; 2];
-            let widths = operator.operand_widths(self.format);
+            let widths = configuration.operator.operand_widths(self.format);
             for (place, &width) in widths.iter().enumerate() {
                 operands[place] = pair[place] & (u64::MAX >> (64 - width));
             }
-            operator.golden_results(self.format, rounding, &operands[..widths.len()], results);
+            configuration.golden_results(&operands[..widths.len()], results);
         }
     }
 
@@ -117,17 +151,16 @@ impl Gallery {
         assert_eq!(comparison.first, []);
         assert_eq!(comparison.mismatches, 0);
         assert_eq!(comparison.rays, pairs.count());
-        // The handshake's two and the results: one of each operator, but four of the comparison.
-        let results = self.operators.len() as u64 + 3;
-        assert_eq!(comparison.signals_compared, 2 + results);
-    }
-}
-
-/// The operator's name, with its rounding where it has one: what tells a gallery's instances apart.
-fn instance_name(operator: FloatOperator, rounding: Rounding) -> String {
-    match operator.rounds() {
-        true => format!("{}_{rounding}", operator.name()),
-        false => operator.name().to_owned(),
+        // The handshake's two and the results: one of each operator, but four of the comparison,
+        // and the flags.
+        let results = self.operators.iter().map(|configuration| {
+            let own = match configuration.operator {
+                FloatOperator::Compare => 4,
+                _ => 1,
+            };
+            own + u64::from(configuration.has_flags)
+        });
+        assert_eq!(comparison.signals_compared, 2 + results.sum::<u64>());
     }
 }
 
@@ -165,6 +198,14 @@ fn e4f3_agrees_on_all_operand_pairs() {
 }
 
 #[test]
+fn e4f3_with_subnormals_and_flags_agrees_on_all_operand_pairs() {
+    let gallery = Gallery::with_policies(FloatFormat::E4F3);
+    assert_eq!(gallery.operators.len(), 4 * 4 * 2);
+    assert!(gallery.pairs().is_exhaustive());
+    gallery.agrees_under_verilator();
+}
+
+#[test]
 fn e7f16_agrees_on_a_million_operand_pairs() {
     let gallery = Gallery::new(FloatFormat::E7F16);
     assert_eq!(gallery.pairs().count(), PAIRS);
@@ -191,9 +232,9 @@ fn inner_register(module: &Module) -> &str {
 #[test]
 fn a_fault_in_any_operator_is_caught_and_its_output_named() {
     let gallery = Gallery::new(FloatFormat::E4F3);
-    for &(operator, rounding) in &gallery.operators {
-        let instance = instance_name(operator, rounding);
-        let module = OperatorConfiguration::new(operator, gallery.format, rounding).build(LATENCY);
+    for &configuration in &gallery.operators {
+        let instance = configuration.name();
+        let module = configuration.build(LATENCY);
         let path = format!("core.{instance}.{}", inner_register(&module));
         let faulty = plant(&gallery.unit, &path, 0).unwrap();
         let comparison = gallery.run(&faulty, |run| run.embedded(|_, _, _| {}).unwrap());
