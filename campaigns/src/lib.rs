@@ -1,0 +1,20 @@
+//! Long runs that hold the arithmetic and the operators of this workspace against independent
+//! judges. The program `campaigns` is the face of it; `docs/campaigns.md` says what was run last.
+//!
+//! * `softfloat`: the golden arithmetic against Berkeley SoftFloat.
+//! * `routes`: its two golden routes against each other.
+//! * `hardware`: the operators under Verilator against the golden arithmetic.
+//! * `formal`: hardware operators proven equal to plain specifications by a SAT solver.
+
+pub mod cases;
+pub mod formal;
+pub mod formats;
+pub mod hardware;
+pub mod operands;
+pub mod record;
+pub mod routes;
+pub mod row;
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+pub mod softfloat;
+pub mod sweep;
+pub mod tier;
