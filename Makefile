@@ -1,9 +1,14 @@
 # Every target can be the first thing that is run in a fresh clone: it installs what it needs.
 .DEFAULT_GOAL := help
+<<<<<<< HEAD
 .PHONY: help demo test vectors bench operators tools doc lint clean
+=======
+.PHONY: help demo test vectors bench tools doc lint clean campaigns formal
+>>>>>>> d63a2d7 (wip4)
 
 # The project's own tools go before the system's.
 ENVIRONMENT := . tools/environment;
+CAMPAIGNS := cargo run --release --locked --quiet --package campaigns --
 STEPWELL := cargo run --release --locked --quiet --package stepwell --
 
 help: ## this list
@@ -29,6 +34,13 @@ operators: tools ## measure area and speed of the operators anew, into docs/oper
 
 tools: ## install the compiler, simulators and synthesis tools where they are missing
 	@tools/install
+
+campaigns: tools ## hours: the arithmetic against SoftFloat, f64 and Verilator, into docs/campaigns.md
+	$(ENVIRONMENT) for campaign in softfloat routes hardware; do \
+	    $(CAMPAIGNS) $$campaign --tier substantial --record docs/campaigns.md || exit; done
+
+formal: tools ## hardware operators proven equal to plain specifications, into docs/campaigns.md
+	$(ENVIRONMENT) $(CAMPAIGNS) formal --tier substantial --record docs/campaigns.md
 
 lint: tools ## formatting, clippy and documentation, every warning an error; the shell scripts
 	tools/install_test
