@@ -1,10 +1,10 @@
 //! Emits one operator into a folder.
 //!
-//! `emit_operator FOLDER OPERATOR FORMAT ROUNDING LATENCY [full] [flags] [logic]`, such as
+//! `emit_operator FOLDER OPERATOR FORMAT ROUNDING LATENCY [full] [flags] [logic] [radix4 | mixed]`, such as
 //! `emit_operator /tmp/add add e7f16 rne 2`.
 
 use hdl_gen::emit::write_design;
-use hdl_gen::operators::{FloatOperator, Multiplier, OperatorConfiguration};
+use hdl_gen::operators::{FloatOperator, Multiplier, OperatorConfiguration, Radix};
 use rtl_model::float::{FloatFormat, Policy, Rounding};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let [folder, operator, format, rounding, latency, options @ ..] = &arguments[..] else {
         return Err(
             "usage: emit_operator FOLDER OPERATOR FORMAT ROUNDING LATENCY \
-                    [full] [flags] [logic]"
+                    [full] [flags] [logic] [radix4 | mixed]"
                 .into(),
         );
     };
@@ -21,6 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "sub" => FloatOperator::Subtract,
         "mul" => FloatOperator::Multiply,
         "div" => FloatOperator::Divide,
+        "cmp" => FloatOperator::Compare,
         other => return Err(format!("unknown operator `{other}`: add, sub, mul or div").into()),
     };
     let widths = format
@@ -35,8 +36,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "full" => configuration.policy = Policy::Full,
             "flags" => configuration.has_flags = true,
             "logic" => configuration.structure.multiplier = Multiplier::Logic,
+            "radix4" => configuration.structure.radix = Radix::Four,
+            "mixed" => configuration.structure.radix = Radix::Mixed,
             other => {
-                return Err(format!("unknown option `{other}`: full, flags or logic").into());
+                return Err(format!(
+                    "unknown option `{other}`: full, flags, logic, radix4 or mixed"
+                )
+                .into());
             }
         }
     }

@@ -127,10 +127,12 @@ fn with_fault(module: &Module, index: usize) -> Option<Arc<Module>> {
 }
 
 /// A comparison that cannot fail proves nothing: a gate exchanged anywhere shows. Not where the
-/// two gates are the same function of what can occur: an or of exclusive bits is an xor.
+/// two gates are the same function of what can occur: an or of exclusive bits is an xor. And in the
+/// last row of a division to nearest the half unit may be off by one, as nothing is so near a tie,
+/// and only the sign of the remainder is read.
 #[test]
 fn a_planted_fault_is_caught() {
-    let format = FloatFormat::E4F3;
+    let unseen_in_division = ["remainder_4_carry", "remainder_4_last"];
     let cases = operators()
         .into_iter()
         .filter(|(kind, _)| ROUNDED.contains(kind));
@@ -138,6 +140,10 @@ fn a_planted_fault_is_caught() {
         .collect::<Vec<_>>()
         .into_par_iter()
         .for_each(|(kind, rounding)| {
+            let format = match kind {
+                FloatOperator::Divide => FloatFormat::new(3, 4),
+                _ => FloatFormat::E4F3,
+            };
             let module = OperatorConfiguration::new(kind, format, rounding).build(0);
             let (mut planted, mut missed) = (0, Vec::new());
             for index in 0..module.nodes.len() {
@@ -150,8 +156,13 @@ fn a_planted_fault_is_caught() {
                         golden_binary(kind, format, rounding, a, b)
                     });
                 planted += 1;
-                if outcome.is_ok() && !is_or {
-                    missed.push((index, module.nodes[index].name.clone()));
+                let name = module.nodes[index].name.clone();
+                let is_known = kind == FloatOperator::Divide
+                    && unseen_in_division
+                        .iter()
+                        .any(|&unseen| name.as_deref() == Some(unseen));
+                if outcome.is_ok() && !is_or && !is_known {
+                    missed.push((index, name));
                 }
             }
             assert!(planted > 20, "{}: {planted} faults", module.name);

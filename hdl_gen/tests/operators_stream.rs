@@ -168,9 +168,12 @@ fn more_stages_are_shorter_stages() {
             )
         };
         let paths: Vec<u32> = (1..=4).map(path).collect();
-        assert_eq!(path(0), paths[0], "one stage holds all the logic");
+        // One stage holds all the logic; cut, it is read bit by bit, so that a word that is joined
+        // of early and late bits is not late as a whole.
+        assert!(paths[0] <= path(0), "{} and {paths:?}", path(0));
+        // None is longer, though a product, which is not cut, may leave it as long.
         assert!(
-            paths.is_sorted_by(|longer, shorter| longer > shorter),
+            paths.is_sorted_by(|longer, shorter| longer >= shorter),
             "{paths:?}"
         );
         // Cuts fall between operations, so not into equal parts; but not far from it.

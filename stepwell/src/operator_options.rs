@@ -71,9 +71,9 @@ pub struct OperatorOptions {
         value_parser = named(["dsp", "logic"], [Multiplier::Dsp, Multiplier::Logic]))]
     multiplier: Option<Multiplier>,
 
-    /// Of an operator: the radix of divisions and square roots, 2 (unless told) or 4
+    /// Of an operator: the radix of divisions, 2 (unless told), 4, or mixed: rows of either
     #[arg(long, value_name = "RADIX",
-        value_parser = named(["2", "4"], [Radix::Two, Radix::Four]))]
+        value_parser = named(["2", "4", "mixed"], [Radix::Two, Radix::Four, Radix::Mixed]))]
     radix: Option<Radix>,
 }
 
@@ -243,9 +243,9 @@ impl OperatorOptions {
 }
 
 /// A parser of values that are called by names.
-fn named<T: Copy + Send + Sync + 'static>(
-    names: [&'static str; 2],
-    values: [T; 2],
+fn named<T: Copy + Send + Sync + 'static, const COUNT: usize>(
+    names: [&'static str; COUNT],
+    values: [T; COUNT],
 ) -> impl TypedValueParser<Value = T> {
     PossibleValuesParser::new(names).try_map(move |name| {
         let known = names.iter().zip(values).find(|(known, _)| **known == name);

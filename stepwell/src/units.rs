@@ -11,19 +11,30 @@ use rtl_model::units::traverse_step::{EXACT_EXIT_ULPS, INDEX_BITS, LEVEL_BITS};
 use crate::options::NumberFormat;
 
 /// The operators, with the parameters the traverse unit has them with.
-pub const OPERATORS: [FloatOperator; 13] = [
+pub const OPERATORS: [FloatOperator; 22] = [
     FloatOperator::Add,
     FloatOperator::Subtract,
     FloatOperator::Multiply,
     FloatOperator::Divide,
+    FloatOperator::SquareRoot,
+    FloatOperator::Minimum,
+    FloatOperator::Maximum,
     FloatOperator::Compare,
+    FloatOperator::CompareSignalling,
     FloatOperator::LessThan,
     FloatOperator::LessEqual,
     FloatOperator::FromInteger {
         value_bits: INDEX_BITS + 1,
         exponent_bits: LEVEL_BITS + 2,
     },
+    FloatOperator::FromSigned { bits: 32 },
+    FloatOperator::FromUnsigned { bits: 32 },
     FloatOperator::ToInteger { bits: INDEX_BITS },
+    FloatOperator::ToUnsigned { bits: 32 },
+    FloatOperator::Convert {
+        target: FloatFormat::new(8, 23),
+    },
+    FloatOperator::RoundToIntegral,
     FloatOperator::Floor,
     FloatOperator::UlpsUp {
         ulps: EXACT_EXIT_ULPS,

@@ -13,11 +13,11 @@ pub struct OperatorLatencies {
     pub adder: u32,
     /// Float multiplier.
     pub multiplier: u32,
-    /// Float divider.
+    /// Float divider and square root.
     pub divider: u32,
-    /// Float comparator.
+    /// Float comparator, minimum and maximum.
     pub comparator: u32,
-    /// Integer to float, height to depth.
+    /// Between integers and floats, between float formats, height to depth.
     pub conversion: u32,
 }
 
@@ -37,10 +37,13 @@ impl OperatorLatencies {
         let cycles = match operator {
             FloatOperator::Add | FloatOperator::Subtract => self.adder,
             FloatOperator::Multiply => self.multiplier,
-            FloatOperator::Divide => self.divider,
-            FloatOperator::Compare | FloatOperator::LessThan | FloatOperator::LessEqual => {
-                self.comparator
-            }
+            FloatOperator::Divide | FloatOperator::SquareRoot => self.divider,
+            FloatOperator::Compare
+            | FloatOperator::CompareSignalling
+            | FloatOperator::LessThan
+            | FloatOperator::LessEqual
+            | FloatOperator::Minimum
+            | FloatOperator::Maximum => self.comparator,
             _ => self.conversion,
         };
         cycles.max(1)

@@ -1,8 +1,10 @@
 //! Comparisons (IEEE 754-2019, section 5.11): zeros of both signs are equal, NaN is unordered.
 
-use rtl_model::float::FloatFormat;
+use rtl_model::float::Policy;
 
-use super::unpack::{Fields, fields, is_nan, is_zero, magnitude};
+use super::OperatorConfiguration;
+use super::round::Answer;
+use super::unpack::{Fields, fields, is_nan, is_signalling, is_zero, magnitude};
 use crate::netlist::{Builder, Wire};
 
 /// Which order is asked.
@@ -17,23 +19,38 @@ pub(super) enum Order {
 /// What every comparison starts from.
 struct Operands {
     a: Fields,
+    b: Fields,
     a_magnitude: Wire,
     b_magnitude: Wire,
+    a_is_nan: Wire,
+    b_is_nan: Wire,
     signs_differ: Wire,
     both_are_zero: Wire,
     unordered: Wire,
 }
 
-fn operands(builder: &mut Builder, format: FloatFormat) -> Operands {
+fn operands(builder: &mut Builder, configuration: OperatorConfiguration) -> Operands {
+    let format = configuration.format;
     let a_i = builder.input("a_i", format.width());
     let b_i = builder.input("b_i", format.width());
     builder.section("unpack");
     let a = fields(builder, format, a_i, "a");
     let b = fields(builder, format, b_i, "b");
-    // Only two zeros need care: a subnormal pattern is below every normal one anyway.
-    let a_is_zero = is_zero(builder, &a, "a");
-    let b_is_zero = is_zero(builder, &b, "b");
-    let both_are_zero = builder.and(a_is_zero, b_is_zero);
+    let a_magnitude = magnitude(builder, format, a_i, "a");
+    let b_magnitude = magnitude(builder, format, b_i, "b");
+    let both_are_zero = match configuration.policy {
+        Policy::Flush => {
+            // Only two zeros need care: a subnormal pattern is below every normal one anyway.
+            let a_is_zero = is_zero(builder, &a, "a");
+            let b_is_zero = is_zero(builder, &b, "b");
+            builder.and(a_is_zero, b_is_zero)
+        }
+        Policy::Full => {
+            let either = builder.or(a_magnitude, b_magnitude);
+            let nonzero = builder.any_bit(either);
+            builder.not(nonzero)
+        }
+    };
     builder.name(both_are_zero, "both_are_zero");
     let a_is_nan = is_nan(builder, &a, "a");
     let b_is_nan = is_nan(builder, &b, "b");
@@ -42,9 +59,12 @@ fn operands(builder: &mut Builder, format: FloatFormat) -> Operands {
     let signs_differ = builder.xor(a.sign, b.sign);
     builder.name(signs_differ, "signs_differ");
     Operands {
-        a_magnitude: magnitude(builder, format, a_i, "a"),
-        b_magnitude: magnitude(builder, format, b_i, "b"),
         a,
+        b,
+        a_magnitude,
+        b_magnitude,
+        a_is_nan,
+        b_is_nan,
         signs_differ,
         both_are_zero,
         unordered,
@@ -70,9 +90,40 @@ fn ordered(builder: &mut Builder, operands: &Operands, order: Order) -> Wire {
     builder.name(ordered, "ordered_by_sign")
 }
 
-/// `a < b` or `a <= b`, false where either is NaN: one comparator.
-pub(super) fn less(builder: &mut Builder, format: FloatFormat, order: Order) -> Wire {
-    let operands = operands(builder, format);
+/// The flag invalid: raised by a signalling NaN, and by any where the comparison signals.
+fn flags(
+    builder: &mut Builder,
+    configuration: OperatorConfiguration,
+    operands: &Operands,
+    signals: bool,
+) -> Option<Wire> {
+    configuration.has_flags.then(|| {
+        builder.section("flags");
+        let invalid = if signals {
+            operands.unordered
+        } else {
+            let a_is_signalling = is_signalling(builder, &operands.a, operands.a_is_nan, "a");
+            let b_is_signalling = is_signalling(builder, &operands.b, operands.b_is_nan, "b");
+            builder.or(a_is_signalling, b_is_signalling)
+        };
+        invalid_alone(builder, invalid)
+    })
+}
+
+/// The flags of an operator that raises none but invalid.
+pub(super) fn invalid_alone(builder: &mut Builder, invalid: Wire) -> Wire {
+    let others = builder.constant(0, 4);
+    let flags = builder.concat(&[invalid, others]);
+    builder.name(flags, "flags")
+}
+
+/// `a < b` or `a <= b`, false where either is NaN, which is invalid: one comparator.
+pub(super) fn less(
+    builder: &mut Builder,
+    configuration: OperatorConfiguration,
+    order: Order,
+) -> Answer {
+    let operands = operands(builder, configuration);
     builder.section("compare");
     let ordered = ordered(builder, &operands, order);
     let when_ordered = match order {
@@ -84,12 +135,15 @@ pub(super) fn less(builder: &mut Builder, format: FloatFormat, order: Order) -> 
     };
     let is_ordered = builder.not(operands.unordered);
     let result = builder.and(when_ordered, is_ordered);
-    builder.name(result, "result")
+    builder.name(result, "result");
+    let flags = flags(builder, configuration, &operands, true);
+    Answer { result, flags }
 }
 
-/// All four relations; drives the output ports.
-pub(super) fn compare(builder: &mut Builder, format: FloatFormat) {
-    let operands = operands(builder, format);
+/// All four relations; drives the output ports. The other predicates of the standard are a gate
+/// away, as `docs/numerics.md` lists them.
+pub(super) fn compare(builder: &mut Builder, configuration: OperatorConfiguration, signals: bool) {
+    let operands = operands(builder, configuration);
     builder.section("compare");
     let is_ordered = builder.not(operands.unordered);
     let same_magnitude = builder.equal(operands.a_magnitude, operands.b_magnitude);
@@ -107,8 +161,12 @@ pub(super) fn compare(builder: &mut Builder, format: FloatFormat) {
     builder.name(less_than, "less_than");
     let less_equal = builder.or(less_than, equal);
     builder.name(less_equal, "less_equal");
+    let flags = flags(builder, configuration, &operands, signals);
     builder.output("less_than_o", less_than);
     builder.output("less_equal_o", less_equal);
     builder.output("equal_o", equal);
     builder.output("unordered_o", operands.unordered);
+    if let Some(flags) = flags {
+        builder.output("flags_o", flags);
+    }
 }

@@ -28,6 +28,9 @@ pub enum Radix {
     Two,
     /// Two bits of the result a row.
     Four,
+    /// Two bits a row, but one in the middle of the recurrence, for a quarter of the bits: less area
+    /// than radix 4, less delay than radix 2.
+    Mixed,
 }
 
 /// How an operator is built: nothing here changes a bit of its results.
@@ -35,7 +38,7 @@ pub enum Radix {
 pub struct Structure {
     /// Of multiplications.
     pub multiplier: Multiplier,
-    /// Of divisions and square roots.
+    /// Of divisions; a square root is of radix 2.
     pub radix: Radix,
 }
 
@@ -111,8 +114,12 @@ impl OperatorConfiguration {
         if self.structure.multiplier == Multiplier::Logic {
             name += "_logic";
         }
-        if self.structure.radix == Radix::Four {
-            name += "_radix4";
+        if self.operator == FloatOperator::Divide {
+            name += match self.structure.radix {
+                Radix::Two => "",
+                Radix::Four => "_radix4",
+                Radix::Mixed => "_radix_mixed",
+            };
         }
         if self.operator.rounds() {
             name += "_";
@@ -171,7 +178,7 @@ impl OperatorConfiguration {
         });
         builder.describe(format!("latency: {latency}"));
         builder.describe(format!(
-            "golden: rtl_model::float::FloatFormat::{}",
+            "golden: rtl_model::float::FloatArithmetic::{}",
             self.operator.golden()
         ));
     }

@@ -2,33 +2,34 @@
 
 use rtl_model::float::{Policy, Rounding};
 
-use super::OperatorConfiguration;
+use super::configuration::{OperatorConfiguration, Radix};
 use super::round::{Answer, Small, Tail, Unrounded, exponent_constant, exponent_width, round};
-use super::unpack::{classify, fields};
+use super::unpack::{Class, classify, fields, is_signalling, normalise};
 use crate::netlist::{Builder, Wire};
 
-/// `a / b`: non-restoring digit recurrence in radix 2, one row of one adder a quotient bit.
+/// `a / b`: non-restoring digit recurrence, one or two bits of the quotient a row.
 pub(super) fn divide(builder: &mut Builder, configuration: OperatorConfiguration) -> Answer {
     let OperatorConfiguration {
-        format, rounding, ..
+        format,
+        rounding,
+        policy,
+        has_flags,
+        structure,
+        ..
     } = configuration;
     let fraction_bits = format.fraction_bits;
     let bias = i64::from(format.exponent_bias());
-    let largest_field = i64::try_from(format.exponent_all_ones() - 1).expect("11 bits at most");
-    let exponent_range = bias - largest_field..=largest_field - 1 + bias;
+    let largest = i64::try_from(format.exponent_all_ones() - 1).expect("11 bits at most");
+    let smallest = match policy {
+        Policy::Flush => 1,
+        Policy::Full => 1 - i64::from(fraction_bits),
+    };
+    let exponent_range = smallest - largest + bias - 1..=largest - smallest + bias;
     let exponent_word_bits = exponent_width(format, &exponent_range);
     builder.localparam(
         "EXPONENT_BITS",
         exponent_word_bits.into(),
         "a two's complement exponent from smallest by largest to largest by smallest",
-    );
-    // A quotient below one begins with its second bit, so there is one more than the significand,
-    // and for rounding to nearest a guard bit.
-    let quotient_bits = fraction_bits + 2 + u32::from(rounding == Rounding::NearestEven);
-    builder.localparam(
-        "QUOTIENT_BITS",
-        quotient_bits.into(),
-        "the significand, a bit for quotients below one, and a guard bit if rounding to nearest",
     );
 
     let a_i = builder.input("a_i", format.width());
@@ -39,8 +40,8 @@ pub(super) fn divide(builder: &mut Builder, configuration: OperatorConfiguration
     let b = fields(builder, format, b_i, "b");
 
     builder.section("special cases");
-    let a_is = classify(builder, Policy::Flush, &a, "a");
-    let b_is = classify(builder, Policy::Flush, &b, "b");
+    let a_is = classify(builder, policy, &a, "a");
+    let b_is = classify(builder, policy, &b, "b");
     let sign = builder.xor(a.sign, b.sign);
     builder.name(sign, "quotient_sign");
     let is_zero = builder.or(a_is.is_zero, b_is.is_infinity);
@@ -54,42 +55,99 @@ pub(super) fn divide(builder: &mut Builder, configuration: OperatorConfiguration
     builder.name(undefined, "undefined");
     let is_nan = builder.or(any_nan, undefined);
     builder.name(is_nan, "is_nan");
+    let is_invalid = has_flags.then(|| {
+        let a_is_signalling = is_signalling(builder, &a, a_is.is_nan, "a");
+        let b_is_signalling = is_signalling(builder, &b, b_is.is_nan, "b");
+        let any_is_signalling = builder.or(a_is_signalling, b_is_signalling);
+        builder.or(undefined, any_is_signalling)
+    });
+    let divides_by_zero = has_flags.then(|| {
+        let a_is_other = builder.concat(&[a_is.is_zero, a_is.is_infinity, a_is.is_nan]);
+        let a_is_other = builder.any_bit(a_is_other);
+        let a_is_ordinary = builder.not(a_is_other);
+        builder.and(a_is_ordinary, b_is.is_zero)
+    });
+
+    let (a, b) = match policy {
+        Policy::Flush => {
+            let a_wide = builder.zero_extend(a.exponent, exponent_word_bits);
+            let b_wide = builder.zero_extend(b.exponent, exponent_word_bits);
+            ((a_wide, a.fraction), (b_wide, b.fraction))
+        }
+        Policy::Full => {
+            builder.section("normalise subnormal operands");
+            let mut normalised = |operand, class: &Class, name| {
+                let exponent_nonzero = class.exponent_nonzero;
+                let normalised =
+                    normalise(builder, operand, exponent_nonzero, exponent_word_bits, name);
+                (normalised.exponent, normalised.fraction)
+            };
+            (normalised(&a, &a_is, "a"), normalised(&b, &b_is, "b"))
+        }
+    };
+    let (a_exponent, a_fraction) = a;
+    let (b_exponent, b_fraction) = b;
+
+    builder.section("compare the significands: a quotient below one begins one place later");
+    let one = builder.constant(1, 1);
+    let zero = builder.constant(0, 1);
+    let dividend_at_one = builder.concat(&[zero, a_fraction]);
+    let divisor_at_one = builder.concat(&[zero, b_fraction]);
+    let remainder_at_one = builder.subtract(dividend_at_one, divisor_at_one);
+    builder.name(remainder_at_one, "remainder_at_one");
+    let below_one = builder.bit(remainder_at_one, fraction_bits);
+    builder.name(below_one, "quotient_below_one");
+    let dividend_below_one = builder.concat(&[a_fraction, zero]);
+    let divisor = builder.concat(&[one, b_fraction]);
+    builder.name(divisor, "divisor");
+    let remainder_below_one = builder.subtract(dividend_below_one, divisor);
+    builder.name(remainder_below_one, "remainder_below_one");
+    let first_remainder = builder.mux(below_one, remainder_below_one, remainder_at_one);
+    builder.name(first_remainder, "first_remainder");
 
     builder.section("subtract the exponents");
-    let a_wide = builder.zero_extend(a.exponent, exponent_word_bits);
-    let b_wide = builder.zero_extend(b.exponent, exponent_word_bits);
-    let exponent = builder.subtract(a_wide, b_wide);
+    let exponent = builder.subtract(a_exponent, b_exponent);
     builder.name(exponent, "exponent_difference");
-
-    let recurrence = divide_significands(builder, a.fraction, b.fraction, quotient_bits);
-
-    builder.section("normalise: the quotient is above one half");
-    let reaches_one = recurrence.digits[0];
-    let at_one = builder.concat(&recurrence.digits[1..=fraction_bits as usize]);
-    let below_one = builder.concat(&recurrence.digits[2..=fraction_bits as usize + 1]);
-    let fraction = builder.mux(reaches_one, at_one, below_one);
-    builder.name(fraction, "quotient_fraction");
     let adjustment_at_one = exponent_constant(builder, bias, exponent_word_bits);
     let adjustment_below_one = exponent_constant(builder, bias - 1, exponent_word_bits);
-    let adjustment = builder.mux(reaches_one, adjustment_at_one, adjustment_below_one);
+    let adjustment = builder.mux(below_one, adjustment_below_one, adjustment_at_one);
     builder.name(adjustment, "exponent_adjustment");
+
     // A quotient of two significands is never a tie: with one bit more than they have, and that bit
-    // a one, it times the divisor's odd part would be longer than the dividend is. So rounding to
-    // nearest needs no remainder, and a directed rounding no guard bit: a quotient without
-    // remainder fits the significand.
-    let tail = match rounding {
-        Rounding::TowardZero => None,
-        Rounding::NearestEven => {
-            let last = recurrence.digits[fraction_bits as usize + 2];
-            let last_but_one = recurrence.digits[fraction_bits as usize + 1];
-            let guard = builder.mux(reaches_one, last_but_one, last);
-            Some(builder.name(guard, "guard_bit"))
+    // a one, it times the divisor's odd part would be longer than the dividend is. So to round to
+    // nearest is to add half a unit and truncate. Half a unit of the quotient is half the divisor
+    // behind the dividend, and its bits come in one a row, for nothing: no guard bit, no remainder,
+    // no addition at the end. It cannot carry out of the significand either, since a quotient below
+    // two is below it by more than a unit or ends in it. That does not tell what is inexact, nor
+    // round in a place further up, as a subnormal result wants it.
+    let truncates = rounding == Rounding::TowardZero && !has_flags;
+    let to_nearest = rounding == Rounding::NearestEven;
+    let adds_half = to_nearest && !has_flags && policy == Policy::Flush;
+    let has_guard = to_nearest && !adds_half;
+    let recurrence = divide_significands(
+        builder,
+        structure.radix,
+        first_remainder,
+        divisor,
+        adds_half,
+        fraction_bits + u32::from(has_guard),
+    );
+
+    let fraction = builder.concat(&recurrence.digits[..fraction_bits as usize]);
+    builder.name(fraction, "quotient_fraction");
+    let tail = (!truncates && !adds_half).then(|| {
+        let inexact = remainder_nonzero(builder, &recurrence);
+        // Away from a tie, and where only inexact or not is asked, one bit is all.
+        match recurrence.digits.get(fraction_bits as usize) {
+            Some(&guard) => Tail {
+                guard,
+                sticky: Some(inexact),
+            },
+            None => Tail {
+                guard: inexact,
+                sticky: None,
+            },
         }
-        Rounding::Up | Rounding::Down => Some(remainder_nonzero(builder, &recurrence)),
-    };
-    let tail = tail.map(|guard| Tail {
-        guard,
-        sticky: None,
     });
 
     round(
@@ -105,66 +163,197 @@ pub(super) fn divide(builder: &mut Builder, configuration: OperatorConfiguration
             is_nan: Some(is_nan),
             is_infinity: Some(is_infinity),
             is_zero: Some(is_zero),
-            is_invalid: None,
-            divides_by_zero: None,
+            is_invalid,
+            divides_by_zero,
             small: Small::Normalised,
         },
     )
 }
 
-/// The state of the recurrence after its last row.
+/// The state of the recurrence between two rows.
 struct Recurrence {
-    /// The quotient's bits, the one of weight 1 first.
+    /// The quotient's bits behind the point, the first first.
     digits: Vec<Wire>,
-    /// The last partial remainder, in two's complement.
+    /// The partial remainder, in two's complement.
     remainder: Wire,
+    /// Is it not negative? None where that is always so.
+    nonnegative: Option<Wire>,
     /// The divisor's significand in as many bits.
     divisor: Wire,
 }
 
 /// The rows. A row's remainder is what a restoring divider would get by its trial subtraction: a
 /// negative one is not restored, the next row adds the divisor where it would have subtracted it
-/// (`2 (r + d) - d = 2 r + d`). So a quotient bit is 1 where the remainder is not negative. The
-/// subtraction's carry comes in at the place that doubling leaves vacant, for nothing.
+/// (`2 (r + d) - d = 2 r + d`). So a quotient bit is 1 where the remainder is not negative.
+///
+/// A row of radix 4 has both outcomes of a second such step ready when the first one's sign is
+/// known: `4 r -+ d` and `4 r -+ 3 d`, three carry chains side by side in the time of one.
 fn divide_significands(
     builder: &mut Builder,
-    a_fraction: Wire,
-    b_fraction: Wire,
-    quotient_bits: u32,
+    radix: Radix,
+    first_remainder: Wire,
+    divisor: Wire,
+    half_a_unit: bool,
+    digits: u32,
 ) -> Recurrence {
     builder.section("divide the significands");
-    let remainder_bits = builder.width(a_fraction) + 2;
+    let significand_bits = builder.width(divisor);
+    let remainder_bits = significand_bits + 1;
     builder.localparam(
         "REMAINDER_BITS",
         remainder_bits.into(),
         "a partial remainder lies between minus and plus the divisor's significand",
     );
-    let leading = builder.constant(0b01, 2);
-    let dividend = builder.concat(&[leading, a_fraction]);
-    builder.name(dividend, "dividend");
-    let divisor = builder.concat(&[leading, b_fraction]);
-    builder.name(divisor, "divisor");
-    let mut remainder = builder.subtract(dividend, divisor);
-    let mut digits = Vec::new();
-    for row in 0..quotient_bits {
-        if row > 0 {
-            let subtracts = *digits.last().expect("the row before left a digit");
-            let kept = builder.slice(remainder, remainder_bits - 2, 0);
-            let doubled = builder.concat(&[kept, subtracts]);
-            let complement = builder.sign_extend(subtracts, remainder_bits);
-            let addend = builder.xor(divisor, complement);
-            builder.name(addend, format!("addend_{row}"));
-            remainder = builder.add(doubled, addend);
+    let mut state = Recurrence {
+        digits: Vec::new(),
+        remainder: builder.zero_extend(first_remainder, remainder_bits),
+        nonnegative: None,
+        divisor: builder.zero_extend(divisor, remainder_bits),
+    };
+    let singles = rows_of_one_bit(radix, digits);
+    let triple = (singles < digits).then(|| {
+        let zero = builder.constant(0, 1);
+        let doubled = builder.concat(&[divisor, zero]);
+        let triple = builder.add(doubled, state.divisor);
+        builder.name(triple, "divisor_tripled")
+    });
+    let mut incoming: Vec<Option<Wire>> = (1..=digits)
+        .rev()
+        .map(|row| half_a_unit.then(|| builder.bit(divisor, significand_bits - row)))
+        .collect();
+    // The rows of one bit stand before the last of two: the first of two needs no selection of what
+    // it adds and the last none of a remainder, so these cost little more than two of one bit.
+    let last_pair = if triple.is_some() { 2 } else { 0 };
+    while let Some(first) = incoming.pop() {
+        let left = u32::try_from(incoming.len()).expect("as many as digits") + 1;
+        let is_single = (last_pair + 1..=last_pair + singles).contains(&left);
+        match (triple, incoming.last().copied()) {
+            (Some(triple), Some(second)) if !is_single => {
+                incoming.pop();
+                state.row_of_radix_4(builder, triple, [first, second]);
+            }
+            _ => state.row_of_radix_2(builder, first),
         }
-        builder.name(remainder, format!("remainder_{row}"));
-        let negative = builder.bit(remainder, remainder_bits - 1);
-        let digit = builder.not(negative);
-        digits.push(builder.name(digit, format!("quotient_bit_{row}")));
     }
-    Recurrence {
-        digits,
-        remainder,
-        divisor,
+    state
+}
+
+/// How many bits of a quotient come one a row.
+fn rows_of_one_bit(radix: Radix, digits: u32) -> u32 {
+    let wanted = match radix {
+        Radix::Two => return digits,
+        Radix::Four => 0,
+        Radix::Mixed => digits / 4,
+    };
+    wanted + (digits - wanted) % 2
+}
+
+impl Recurrence {
+    /// One bit of the quotient.
+    fn row_of_radix_2(&mut self, builder: &mut Builder, incoming: Option<Wire>) {
+        let name = format!("remainder_{}", self.digits.len() + 1);
+        let remainder = self.step(builder, self.divisor, &[incoming], false, &name);
+        self.advance(builder, remainder);
+    }
+
+    /// Two bits of the quotient.
+    fn row_of_radix_4(&mut self, builder: &mut Builder, triple: Wire, incoming: [Option<Wire>; 2]) {
+        let row = self.digits.len() + 1;
+        let name = format!("halfway_{row}");
+        let middle = self.step(builder, self.divisor, &incoming[..1], true, &name);
+        let same_again = builder.bit(middle, builder.width(middle) - 1);
+        builder.name(same_again, format!("same_again_{row}"));
+        let digit = match self.nonnegative {
+            None => same_again,
+            Some(nonnegative) => {
+                let differs = builder.xor(same_again, nonnegative);
+                builder.not(differs)
+            }
+        };
+        self.digits
+            .push(builder.name(digit, format!("quotient_bit_{row}")));
+        let name = format!("by_three_{row}");
+        let by_three = self.step(builder, triple, &incoming, false, &name);
+        let name = format!("by_one_{row}");
+        let by_one = self.step(builder, self.divisor, &incoming, false, &name);
+        let remainder = builder.mux(same_again, by_three, by_one);
+        self.advance(builder, remainder);
+    }
+
+    /// Takes a row's remainder, and its sign as a quotient bit.
+    fn advance(&mut self, builder: &mut Builder, remainder: Wire) {
+        let row = self.digits.len() + 1;
+        self.remainder = builder.name(remainder, format!("remainder_{row}"));
+        let negative = builder.bit(remainder, builder.width(remainder) - 1);
+        let digit = builder.not(negative);
+        builder.name(digit, format!("quotient_bit_{row}"));
+        self.nonnegative = Some(digit);
+        self.digits.push(digit);
+    }
+
+    /// The remainder moved up by as many places as bits come in, minus `multiple` where it is not
+    /// negative, plus `multiple` where it is. With `relative_sign` the top bit is instead: has the
+    /// result the sign of the remainder?
+    ///
+    /// The last place is done by hand, so that its carry leaves the chain's place for the one that
+    /// a subtraction needs. With i coming in, m the multiple's last bit, it holds `i ^ m` either
+    /// way; what it carries is i where m is 1, else the one of a subtraction.
+    fn step(
+        &self,
+        builder: &mut Builder,
+        multiple: Wire,
+        incoming: &[Option<Wire>],
+        relative_sign: bool,
+        name: &str,
+    ) -> Wire {
+        let bits = builder.width(self.remainder);
+        let places = u32::try_from(incoming.len()).expect("two at most");
+        let zero = builder.constant(0, 1);
+        let mut moved = vec![builder.slice(self.remainder, bits - 1 - places, 0)];
+        moved.extend(incoming.iter().map(|bit| bit.unwrap_or(zero)));
+        let Some(subtracts) = self.nonnegative else {
+            let moved = builder.concat(&moved);
+            let difference = builder.subtract(moved, multiple);
+            if !relative_sign {
+                return builder.name(difference, name);
+            }
+            let top = builder.bit(difference, bits - 1);
+            let top = builder.not(top);
+            let rest = builder.slice(difference, bits - 2, 0);
+            return builder.concat(&[top, rest]);
+        };
+        let last_in = incoming[incoming.len() - 1];
+        moved.pop();
+        let last_of_multiple = builder.bit(multiple, 0);
+        let (last, carry) = match last_in {
+            None => {
+                let last_is_zero = builder.not(last_of_multiple);
+                (last_of_multiple, builder.and(subtracts, last_is_zero))
+            }
+            Some(last_in) => (
+                builder.xor(last_in, last_of_multiple),
+                builder.mux(last_of_multiple, last_in, subtracts),
+            ),
+        };
+        builder.name(carry, format!("{name}_carry"));
+        builder.name(last, format!("{name}_last"));
+        let top = bits - 1 - u32::from(relative_sign);
+        let upper = builder.slice(multiple, top, 1);
+        let complement = builder.sign_extend(subtracts, top);
+        let upper = builder.xor(upper, complement);
+        builder.name(upper, format!("{name}_addend"));
+        let mut addend = vec![upper, carry];
+        if relative_sign {
+            addend.insert(0, zero);
+        }
+        moved.push(carry);
+        let moved = builder.concat(&moved);
+        let addend = builder.concat(&addend);
+        let sum = builder.add(moved, addend);
+        builder.name(sum, format!("{name}_sum"));
+        let upper = builder.slice(sum, bits - 1, 1);
+        let result = builder.concat(&[upper, last]);
+        builder.name(result, name)
     }
 }
 

@@ -15,7 +15,10 @@ impl FloatOperator {
             | FloatOperator::Subtract
             | FloatOperator::Multiply
             | FloatOperator::Divide
+            | FloatOperator::Minimum
+            | FloatOperator::Maximum
             | FloatOperator::Compare
+            | FloatOperator::CompareSignalling
             | FloatOperator::LessThan
             | FloatOperator::LessEqual => vec![width, width],
             FloatOperator::FromInteger {
@@ -24,7 +27,12 @@ impl FloatOperator {
             } => {
                 vec![value_bits, exponent_bits]
             }
-            FloatOperator::ToInteger { .. }
+            FloatOperator::FromSigned { bits } | FloatOperator::FromUnsigned { bits } => vec![bits],
+            FloatOperator::SquareRoot
+            | FloatOperator::ToInteger { .. }
+            | FloatOperator::ToUnsigned { .. }
+            | FloatOperator::Convert { .. }
+            | FloatOperator::RoundToIntegral
             | FloatOperator::Floor
             | FloatOperator::UlpsUp { .. }
             | FloatOperator::ExactBelow => vec![width],
@@ -58,10 +66,17 @@ impl FloatOperator {
             FloatOperator::Subtract => arithmetic.sub(a, b),
             FloatOperator::Multiply => arithmetic.mul(a, b),
             FloatOperator::Divide => arithmetic.div(a, b),
+            FloatOperator::SquareRoot => arithmetic.sqrt(a),
+            FloatOperator::Minimum => arithmetic.min(a, b),
+            FloatOperator::Maximum => arithmetic.max(a, b),
             FloatOperator::LessThan => truth(arithmetic.less_than(Comparison::Signalling, a, b)),
             FloatOperator::LessEqual => truth(arithmetic.less_equal(Comparison::Signalling, a, b)),
-            FloatOperator::Compare => {
-                let (order, flags) = arithmetic.compare(Comparison::Quiet, a, b);
+            FloatOperator::Compare | FloatOperator::CompareSignalling => {
+                let comparison = match self {
+                    FloatOperator::Compare => Comparison::Quiet,
+                    _ => Comparison::Signalling,
+                };
+                let (order, flags) = arithmetic.compare(comparison, a, b);
                 let relations = [
                     Relation::LessThan,
                     Relation::LessEqual,
@@ -81,6 +96,17 @@ impl FloatOperator {
             FloatOperator::ToInteger { bits } => {
                 arithmetic.to_integer_exact(IntegerFormat::signed(bits), a)
             }
+            FloatOperator::ToUnsigned { bits } => {
+                arithmetic.to_integer_exact(IntegerFormat::unsigned(bits), a)
+            }
+            FloatOperator::FromSigned { bits } => {
+                arithmetic.from_integer(IntegerFormat::signed(bits), a)
+            }
+            FloatOperator::FromUnsigned { bits } => {
+                arithmetic.from_integer(IntegerFormat::unsigned(bits), a)
+            }
+            FloatOperator::Convert { target } => arithmetic.convert_to(target, a),
+            FloatOperator::RoundToIntegral => arithmetic.round_to_integral_exact(a),
             FloatOperator::Floor => arithmetic.floor(a),
             FloatOperator::UlpsUp { ulps } => without_flags(arithmetic.ulps_up(a, ulps)),
             FloatOperator::ExactBelow => without_flags(arithmetic.exact_below(a)),

@@ -47,7 +47,9 @@ pub fn operator_vectors(choice: impl Into<AnyOperator>, random: u64, seed: u64) 
                 special_integers(value_bits),
                 special_integers(exponent_bits),
             ],
-            FloatOperator::DepthFromHeight { bits } => vec![special_integers(bits)],
+            FloatOperator::FromSigned { bits }
+            | FloatOperator::FromUnsigned { bits }
+            | FloatOperator::DepthFromHeight { bits } => vec![special_integers(bits)],
             _ => vec![special_floats(choice.format); widths.len()],
         },
         AnyOperator::Fixed(choice) => fixed::specials(choice),
@@ -82,12 +84,14 @@ fn fields(choice: OperatorConfiguration) -> Vec<Field> {
         let node = module.node(wire);
         let name = node.name.as_deref().expect("an input has a name");
         let (format, meaning) = match (kind, name) {
-            (FloatOperator::FromInteger { .. }, "value_i") => {
+            (FloatOperator::FromInteger { .. }, "a_i") => {
                 (FieldFormat::Signed, "the integer to be scaled")
             }
             (FloatOperator::FromInteger { .. }, _) => {
                 (FieldFormat::Signed, "the power of two it is scaled by")
             }
+            (FloatOperator::FromSigned { .. }, _) => (FieldFormat::Signed, "the integer"),
+            (FloatOperator::FromUnsigned { .. }, _) => (FieldFormat::Unsigned, "the integer"),
             (FloatOperator::DepthFromHeight { .. }, _) => {
                 (FieldFormat::Unsigned, "height: all ones is the top plane")
             }
@@ -102,6 +106,7 @@ fn fields(choice: OperatorConfiguration) -> Vec<Field> {
     let output = |(name, wire): &(String, _)| {
         let node = module.node(*wire);
         let meaning = match (kind, name.as_str()) {
+            (_, "flags_o") => "exceptions: invalid, division by zero, overflow, underflow, inexact",
             (_, "less_than_o") => "a_i < b_i",
             (_, "less_equal_o") => "a_i <= b_i",
             (_, "equal_o") => "a_i = b_i; zeros of both signs are equal",
@@ -112,15 +117,26 @@ fn fields(choice: OperatorConfiguration) -> Vec<Field> {
             (FloatOperator::Divide, _) => "a_i / b_i",
             (FloatOperator::LessThan, _) => "a_i < b_i; 0 where either is NaN",
             (FloatOperator::LessEqual, _) => "a_i <= b_i; 0 where either is NaN",
-            (FloatOperator::FromInteger { .. }, _) => "value_i * 2^exponent_i",
-            (FloatOperator::ToInteger { .. }, _) => "a_i as an integer, saturated; 0 for NaN",
+            (FloatOperator::FromInteger { .. }, _) => "a_i * 2^b_i",
+            (FloatOperator::FromSigned { .. }, _) => "a_i as a float",
+            (FloatOperator::FromUnsigned { .. }, _) => "a_i as a float",
+            (FloatOperator::SquareRoot, _) => "the square root of a_i",
+            (FloatOperator::Minimum, _) => "the smaller of a_i and b_i; the number beside a NaN",
+            (FloatOperator::Maximum, _) => "the larger of a_i and b_i; the number beside a NaN",
+            (FloatOperator::Convert { .. }, _) => "a_i in the other format",
+            (FloatOperator::RoundToIntegral, _) => "the integer that a_i rounds to",
+            (FloatOperator::ToInteger { .. } | FloatOperator::ToUnsigned { .. }, _) => {
+                "a_i as an integer, saturated; 0 for NaN"
+            }
             (FloatOperator::Floor, _) => "the largest integer not above a_i",
             (FloatOperator::UlpsUp { .. }, _) => {
                 "a_i moved up by that many units in the last place"
             }
             (FloatOperator::ExactBelow, _) => "differences with a_i are exact below this",
             (FloatOperator::DepthFromHeight { .. }, _) => "1 - height, rounded toward zero",
-            (FloatOperator::Compare, _) => "a relation of a_i and b_i",
+            (FloatOperator::Compare | FloatOperator::CompareSignalling, _) => {
+                "a relation of a_i and b_i"
+            }
         };
         let format = FieldFormat::of_port(node.meaning, node.width);
         Field::new(name, Role::Output, node.width, format, meaning)

@@ -75,6 +75,9 @@ impl VectorPlan {
             (Multiply, TowardZero),
             (Divide, NearestEven),
             (Divide, TowardZero),
+            (SquareRoot, NearestEven),
+            (Minimum, NearestEven),
+            (Maximum, NearestEven),
             (Compare, NearestEven),
             (
                 FromInteger {
@@ -83,7 +86,17 @@ impl VectorPlan {
                 },
                 TowardZero,
             ),
+            (FromSigned { bits: 32 }, NearestEven),
+            (FromUnsigned { bits: 32 }, NearestEven),
             (ToInteger { bits: INDEX_BITS }, NearestEven),
+            (ToUnsigned { bits: 32 }, NearestEven),
+            (
+                Convert {
+                    target: FloatFormat::new(8, 23),
+                },
+                NearestEven,
+            ),
+            (RoundToIntegral, NearestEven),
             (Floor, NearestEven),
             (UlpsUp { ulps: 3 }, NearestEven),
             (ExactBelow, NearestEven),

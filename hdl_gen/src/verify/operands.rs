@@ -41,11 +41,7 @@ impl OperandSets {
     /// close to each other in exponent or value.
     pub fn new(operator: FloatOperator, format: FloatFormat, count: u64, seed: u64) -> OperandSets {
         let widths = operator.operand_widths(format);
-        let floats = !matches!(
-            operator,
-            FloatOperator::FromInteger { .. } | FloatOperator::DepthFromHeight { .. }
-        );
-        if floats {
+        if operator.takes_floats() {
             let hard = vec![hard_floats(format); widths.len()];
             OperandSets::of(widths, Kind::Floats(format), hard, count, seed)
         } else {

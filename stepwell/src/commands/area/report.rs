@@ -30,7 +30,7 @@ pub struct UnitFigures {
     pub policy: Option<&'static str>,
     pub flags: bool,
     pub multiplier: Option<&'static str>,
-    pub radix: Option<u32>,
+    pub radix: Option<&'static str>,
     pub latency: u32,
     /// Look-up tables taken, those of carry cells included.
     pub lut4: u64,
@@ -62,7 +62,7 @@ struct Build {
     rounding: Option<&'static str>,
     policy: Option<&'static str>,
     multiplier: Option<&'static str>,
-    radix: Option<u32>,
+    radix: Option<&'static str>,
 }
 
 impl Build {
@@ -81,8 +81,9 @@ impl Build {
                     Multiplier::Logic => "logic",
                 }),
                 radix: Some(match configuration.structure.radix {
-                    Radix::Two => 2,
-                    Radix::Four => 4,
+                    Radix::Two => "2",
+                    Radix::Four => "4",
+                    Radix::Mixed => "mixed",
                 }),
             },
             AnyOperator::Fixed(configuration) => {

@@ -67,6 +67,8 @@ enum RadixName {
     Two,
     #[serde(rename = "4")]
     Four,
+    #[serde(rename = "mixed")]
+    Mixed,
 }
 
 /// At most so many look-up tables and multipliers, at least so many MHz.
@@ -121,6 +123,7 @@ impl Row {
                 radix: match self.radix {
                     RadixName::Two => Radix::Two,
                     RadixName::Four => Radix::Four,
+                    RadixName::Mixed => Radix::Mixed,
                 },
             },
             ..OperatorConfiguration::new(operator, FloatFormat::E7F16, Rounding::NearestEven)
@@ -248,7 +251,8 @@ fn built(unit: &UnitFigures) -> String {
         (unit.policy == Some("full"), "full subnormals"),
         (unit.flags, "flags"),
         (unit.multiplier == Some("logic"), "no DSP"),
-        (unit.radix == Some(4), "radix 4"),
+        (unit.radix == Some("4"), "radix 4"),
+        (unit.radix == Some("mixed"), "radix 2 and 4"),
         (unit.wide_luts, "wide"),
     ];
     let parts: Vec<&str> = parts
