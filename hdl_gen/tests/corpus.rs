@@ -145,6 +145,37 @@ fn the_independent_oracle_agrees_with_every_line() {
     assert!(text.contains(&sum), "{text}");
 }
 
+/// In formats with few bits, with more fraction than range, and wide ones; and any can be written.
+#[test]
+fn the_independent_oracle_agrees_in_other_formats() {
+    let small = |format| CorpusPlan {
+        lines: 150,
+        lines_of_others: 60,
+        seed: 2,
+        ..CorpusPlan::for_format(format)
+    };
+    let oracle = committed().join("oracle.py");
+    for (exponent_bits, fraction_bits) in [(4, 3), (2, 5), (5, 10), (8, 23), (11, 52), (2, 52)] {
+        let folder = tempfile::tempdir().unwrap();
+        let plan = small(FloatFormat::new(exponent_bits, fraction_bits));
+        write_corpus(&plan, folder.path()).unwrap();
+        let Some(output) = python(&[&oracle, folder.path()]) else {
+            return;
+        };
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert_eq!(output.status.code(), Some(0), "{}: {text}", plan.format);
+        assert!(text.contains(" 0 differ"), "{text}");
+    }
+    for exponent_bits in FloatFormat::EXPONENT_BITS {
+        for fraction_bits in FloatFormat::FRACTION_BITS.step_by(7) {
+            let folder = tempfile::tempdir().unwrap();
+            let plan = small(FloatFormat::new(exponent_bits, fraction_bits));
+            let manifest = write_corpus(&plan, folder.path()).unwrap();
+            assert_eq!(manifest.files.len(), 130, "{}", plan.format);
+        }
+    }
+}
+
 /// A wrong result, a wrong flag, a changed file and a missing one, each in a copy of one file.
 #[test]
 fn the_independent_oracle_sees_a_wrong_line() {

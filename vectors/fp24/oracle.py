@@ -266,12 +266,12 @@ def to_integral(says_inexact):
         if a.infinite:
             return sign | format.infinity, 0
         integer, exact = to_neighbour(abs(a.value), a.negative, rounding)
+        flags = 0 if exact or not says_inexact else INEXACT
         if integer == 0:
-            result = sign
-        else:
-            # Where the format is coarse an integer may be one it cannot hold.
-            result, _ = rounded(Fraction(integer), a.negative, format, rounding, policy)
-        return result, 0 if exact or not says_inexact else INEXACT
+            return sign, flags
+        # Where fractions of the largest numbers reach below the point, the integer may be beyond.
+        result, beyond = rounded(Fraction(integer), a.negative, format, rounding, policy)
+        return result, flags | beyond
 
     return operation
 
@@ -353,7 +353,7 @@ def operations(format):
             table["to_" + integer] = (own, to_integer(width, signed, False))
             table["to_" + integer + "_exact"] = (own, to_integer(width, signed, True))
             table["from_" + integer] = ([None], from_integer(width, signed))
-    for other in ("e5f10", "e8f7", "e8f23", "e11f52"):
+    for other in ("e5f10", "e7f16", "e8f7", "e8f23", "e11f52"):
         table["to_" + other] = (own, convert_to(Format(other)))
         table["from_" + other] = ([Format(other)], convert_to(format))
     return {name: (formats, in_own_format(f)) for name, (formats, f) in table.items()}
