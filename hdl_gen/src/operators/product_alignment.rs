@@ -31,8 +31,6 @@ pub(super) struct Alignment {
     exponent_is_zero: Wire,
     /// Places to the right, counted from the farthest left.
     right: Wire,
-    /// Is everything moved out?
-    is_gone: Option<Wire>,
 }
 
 /// Where the product must go: to the left by the leading zeros of the subnormal operand, as far as
@@ -78,19 +76,22 @@ pub(super) fn alignment(
     builder.name(right_by_zeros, "right_by_zeros");
     let right = builder.mux(is_limited, right_by_exponent, right_by_zeros);
     builder.name(right, "right_shift");
-    // Beyond what the rows can move.
+    // The farthest that the rows can move takes everything out; beyond it is no farther.
     let amount_bits = rows(2 * fraction_bits + 3).min(wide - 1);
-    let is_gone = (amount_bits < wide - 1).then(|| {
+    let mut right = builder.slice(right, amount_bits - 1, 0);
+    if amount_bits < wide - 1 {
         let beyond = builder.slice(right_by_exponent, wide - 2, amount_bits);
         let beyond = builder.any_bit(beyond);
         let is_gone = builder.and(beyond, is_limited);
-        builder.name(is_gone, "product_is_gone")
-    });
+        builder.name(is_gone, "product_is_gone");
+        let farthest = builder.sign_extend(is_gone, amount_bits);
+        right = builder.or(right, farthest);
+        builder.name(right, "right_shift_bounded");
+    }
     Alignment {
         exponent,
         exponent_is_zero,
-        right: builder.slice(right, amount_bits - 1, 0),
-        is_gone,
+        right,
     }
 }
 
@@ -142,12 +143,7 @@ pub(super) fn align(
         body = builder.mux(select, moved, stays);
         builder.name(body, format!("product_after_{step}"));
     }
-    let mut window = builder.concat(&[body, last]);
-    if let Some(is_gone) = alignment.is_gone {
-        let nothing = builder.constant(0, window_bits + 1);
-        window = builder.mux(is_gone, nothing, window);
-        lost.push(is_gone);
-    }
+    let window = builder.concat(&[body, last]);
     builder.name(window, "aligned_product");
 
     let increment = builder.bit(window, window_bits);
