@@ -121,7 +121,6 @@ pub(super) fn effective_exponent(
 }
 
 /// A nonzero operand with a one before its point.
-#[allow(dead_code)] // for the operators that take their operands apart bit by bit
 pub(super) struct Normalised {
     /// The biased exponent, below 1 for a subnormal number: two's complement in as many bits as
     /// asked for.
@@ -131,7 +130,6 @@ pub(super) struct Normalised {
 }
 
 /// Moves a subnormal operand's leading one before the point, and its exponent down by as much.
-#[allow(dead_code)] // see `Normalised`
 pub(super) fn normalise(
     builder: &mut Builder,
     operand: &Fields,
