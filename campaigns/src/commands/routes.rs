@@ -66,7 +66,8 @@ impl Routes {
         let roundings = self.common.roundings();
         // Small formats are tried in full in every tier.
         let least = if format.width() <= 10 { 1 << 20 } else { 0 };
-        let tier = self.common.tier.of(500_000, 200_000_000, 2_000_000_000);
+        // Four roundings: two hundred million pairs an operator.
+        let tier = self.common.tier.of(500_000, 50_000_000, 500_000_000);
         let cases = self.cases.unwrap_or(tier.max(least));
         let progress = bar(
             cases * roundings.len() as u64,

@@ -71,7 +71,11 @@ impl Specification {
                 vec![("VALUE_BITS", value_bits), ("SCALE_BITS", exponent_bits)],
             ),
             FloatOperator::ToInteger { bits } => ("plain_to_integer", true, vec![("BITS", bits)]),
-            FloatOperator::Floor => ("plain_floor", false, vec![]),
+            FloatOperator::Floor => (
+                "plain_round_to_integral",
+                false,
+                vec![("ROUNDING", 3), ("RAISES", 0)],
+            ),
             _ => return None,
         };
         Some(Specification {
@@ -86,9 +90,8 @@ impl Specification {
         match self.module {
             "plain_compare" => matches!(
                 port,
-                "less_than_o" | "less_equal_o" | "equal_o" | "unordered_o"
+                "less_than_o" | "less_equal_o" | "equal_o" | "unordered_o" | "flags_o"
             ),
-            "plain_to_integer" | "plain_floor" => port == "result_o",
             _ => matches!(port, "result_o" | "flags_o"),
         }
     }
@@ -218,8 +221,8 @@ pub fn whole(
         witness_ports(hardware)
     );
     let mut ports = Vec::new();
-    for (name, _) in inputs(hardware) {
-        ports.push(format!(".{name}({name})"));
+    for (port, (name, _)) in ["a_i", "b_i"].into_iter().zip(inputs(hardware)) {
+        ports.push(format!(".{port}({name})"));
     }
     for (name, _) in outputs(hardware) {
         ports.push(format!(".{name}(wanted_{name})"));
