@@ -1,10 +1,6 @@
 # Every target can be the first thing that is run in a fresh clone: it installs what it needs.
 .DEFAULT_GOAL := help
-<<<<<<< HEAD
-.PHONY: help demo test vectors bench operators tools doc lint clean
-=======
-.PHONY: help demo test vectors bench tools doc lint clean campaigns formal
->>>>>>> d63a2d7 (wip4)
+.PHONY: help demo test vectors bench operators tools campaigns formal doc lint clean
 
 # The project's own tools go before the system's.
 ENVIRONMENT := . tools/environment;
