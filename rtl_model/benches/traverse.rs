@@ -1,131 +1,188 @@
-//! The golden e7f16 walk against the same traversal in the machine's own `f32`: rays per second on
-//! one thread, both in one run.
+//! The e7f16 walk in packets against the same traversal in the machine's own `f32`: nanoseconds a ray on
+//! one thread, all in one run, on the seven maps of the paper from its three cameras at 1024 x 768.
 //!
-//! The rival is scalar code written for `f32` and nothing else: mirrored axes, the node index
-//! carried, a reciprocal a ray instead of divisions in the loop, native floats, one `u16` pyramid.
-//! It has no bounds to keep and no corner to doubt, so it does less than the golden walk.
+//! The rival is scalar code written for `f32` and nothing else (`native/`). It has no bounds to keep
+//! and no corner to doubt, so it does less; it is given its rays in `f32` and whatever layout of the
+//! pyramid it likes, made beforehand. Written in three ways, of which the quickest counts on each
+//! scene. Ours rounds its rays from `f64` within the time that is measured.
 
-use rtl_model::calibration::{CAMERAS, SURFACES, real_maps};
+mod comparison;
+mod native;
+
+use comparison::{Target, print_missed, print_row, quickest};
+use native::{BranchFree, Literal, NativeHit, NativeWalk, RowByRow, ZOrder};
+use rtl_model::calibration::{CAMERAS, CalibratedSurface, SURFACES, real_maps};
 use rtl_model::camera::View;
+use rtl_model::instruction_set::InstructionSet;
 use rtl_model::maps::{Channel, HeightMap, MapSource, Pyramid};
-use rtl_model::ray::Ray;
+use rtl_model::packet::PacketWalker;
+use rtl_model::ray::{self, Ray};
 use rtl_model::readings::{E7F16, F64Reading, FloatReading, NumberFormat, enter};
-use rtl_model::units::traverse::walk;
+use rtl_model::units::traverse::{Hit, Status, walk};
 use std::hint::black_box;
 use std::path::Path;
-use std::time::Instant;
 
-/// Runs of each; the median is quoted.
-const RUNS: usize = 5;
+/// Rounds of each comparison.
+const RUNS: usize = 9;
+/// Of the scalar readings one ray in so many is walked.
+const SAMPLE: usize = 16;
+
+const UNWALKED: Hit<f64> = Hit {
+    i: 0,
+    j: 0,
+    t: 0.0,
+    u: 0.0,
+    v: 0.0,
+    steps: 0,
+    crossings: 0,
+    status: Status::Guard,
+};
 
 fn main() {
-    let (name, map) = the_map();
-    let pyramid = Pyramid::new(&map);
-    println!("{name}, 512 x 384, one thread, thousand rays/s");
-    println!("camera      e7f16 golden   f64 reading    native f32   e7f16 / f32");
-    for (camera, view) in CAMERAS {
-        let view = View::new(&view, &SURFACES[0].surface, 512, 384);
-        let rays = view
-            .rays(map.size())
-            .expect("rays within reach")
-            .into_iter()
-            .flatten();
-        let rays: Vec<Ray<f64>> = rays.collect();
-        let golden = rate(&rays, || golden_steps(FloatReading(E7F16), &pyramid, &rays));
-        let f64s = rate(&rays, || golden_steps(F64Reading, &pyramid, &rays));
-        let native: Vec<_> = rays
-            .iter()
-            .map(|ray| ray.map(|value| value as f32))
-            .collect();
-        let f32s = rate(&rays, || {
-            native.iter().map(|&ray| native_walk(&pyramid, ray)).sum()
-        });
-        println!(
-            "{camera:8} {:14.0} {:13.0} {:13.0} {:13.3}",
-            golden / 1e3,
-            f64s / 1e3,
-            f32s / 1e3,
-            golden / f32s
-        );
-    }
-}
-
-fn the_map() -> (String, HeightMap) {
+    println!(
+        "e7f16 `oh`, bit-exact, in packets ({}), 1024 x 768, one thread, nanoseconds a ray, quickest of {RUNS}",
+        InstructionSet::Detected
+    );
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    if let Ok(Some(folder)) = real_maps(&root) {
-        let map = HeightMap::load(&folder.join(SURFACES[0].file), Channel::Alpha, false);
-        return (
-            "the real rocks map".to_owned(),
-            map.expect("a height map of the paper"),
+    let folder = real_maps(&root).unwrap_or_else(|missing| panic!("{missing}"));
+    if folder.is_none() {
+        println!("no real height maps: procedural ones stand in (set STEPWELL_MAPS)");
+    }
+    let mut met = Vec::new();
+    for surface in SURFACES {
+        let map = match &folder {
+            Some(folder) => HeightMap::load(&folder.join(surface.file), Channel::Alpha, false),
+            None => stand_in(&surface).load(Channel::Grey, false),
+        };
+        let pyramid = Pyramid::new(&map.expect("a height map"));
+        for (camera, view) in CAMERAS {
+            let view = View::new(&view, &surface.surface, 1024, 768);
+            let rays = view.rays(pyramid.size()).expect("rays within reach");
+            let rays: Vec<Ray<f64>> = rays
+                .into_iter()
+                .flatten()
+                .map(|ray| ray::check(ray, pyramid.size()).expect("a ray within reach"))
+                .collect();
+            let name = format!("{}, {camera}", surface.name);
+            let is_main = surface.name == "rocks" && camera == "oblique";
+            met.extend(scene(&name, &pyramid, &rays, is_main));
+        }
+    }
+    print_missed(&met);
+}
+
+fn stand_in(surface: &CalibratedSurface) -> MapSource {
+    let recipe = match surface.name {
+        "rocks" | "stones" => "rocks",
+        "wall" => "bricks",
+        "four" | "saint" => "spikes",
+        _ => "mountain",
+    };
+    let source = format!("procedural:{recipe}:{}:1", surface.size);
+    MapSource::parse(&source).expect("a procedural map")
+}
+
+/// The rows of a scene; of the main one the targets are higher and the rows more.
+fn scene(name: &str, pyramid: &Pyramid, rays: &[Ray<f64>], is_main: bool) -> Vec<bool> {
+    let packets = PacketWalker::new(pyramid);
+    let plain = packets.clone().with(InstructionSet::Plain);
+    let native_rays: Vec<Ray<f32>> = rays
+        .iter()
+        .map(|ray| ray.map(|value| value as f32))
+        .collect();
+    let (z_order, row_by_row, branch_free, literal) = (
+        ZOrder::new(pyramid),
+        RowByRow::new(pyramid),
+        BranchFree::new(pyramid),
+        Literal::new(pyramid),
+    );
+    let mut hits = vec![UNWALKED; rays.len()];
+    let mut plain_hits = hits.clone();
+    let mut native_hits = [(); 4].map(|()| vec![NativeHit::default(); rays.len()]);
+    let [z_hits, row_hits, free_hits, literal_hits] = &mut native_hits;
+    // The literal one is slow, and its target is the main scene's.
+    let literal_rays = if is_main { &native_rays[..] } else { &[] };
+    let [ours, plain_time, z_time, row_time, free_time, literal_time] = quickest(
+        RUNS,
+        [
+            &mut || packets.walk(black_box(rays), &mut hits),
+            &mut || plain.walk(black_box(rays), &mut plain_hits),
+            &mut || z_order.walk_all(black_box(&native_rays), z_hits),
+            &mut || row_by_row.walk_all(black_box(&native_rays), row_hits),
+            &mut || branch_free.walk_all(black_box(&native_rays), free_hits),
+            &mut || literal.walk_all(black_box(literal_rays), literal_hits),
+        ],
+    );
+    assert!(hits == plain_hits, "{name}: the instruction sets differ");
+    for (way, native) in native_hits
+        .iter()
+        .enumerate()
+        .take(if is_main { 4 } else { 3 })
+    {
+        let near = |ours: f64, native: f32| (ours - f64::from(native)).abs() < 1e-3;
+        let same = |(hit, native): (&Hit<f64>, &NativeHit)| {
+            (hit.i, hit.j) == (native.i, native.j)
+                && near(hit.t, native.t)
+                && near(hit.u, native.u)
+                && near(hit.v, native.v)
+                && native.steps - native.crossings == pyramid.levels() + 1
+        };
+        let agreeing = hits.iter().zip(native).filter(|&pair| same(pair)).count();
+        assert!(
+            agreeing * 100 > rays.len() * 97,
+            "{name}: rival {way} finds {agreeing} of {} hits",
+            rays.len()
         );
     }
-    println!("no real height maps: a procedural one stands in (set STEPWELL_MAPS)");
-    let source = MapSource::parse("procedural:rocks:256:1").expect("a procedural map");
-    let map = source.load(Channel::Grey, false).expect("a procedural map");
-    (source.to_string(), map)
+    let each = 1e9 / rays.len() as f64;
+    let (rival, rival_time) = [
+        ("f32, Z order", z_time),
+        ("f32, row by row", row_time),
+        ("f32, branch-free", free_time),
+    ]
+    .into_iter()
+    .min_by(|a, b| a.1.total_cmp(&b.1))
+    .expect("three rivals");
+    let target = Target::SpeedAtLeast(if is_main { 1.5 } else { 1.1 });
+    let row =
+        |rival: &str, time: f64, target| print_row(name, ours * each, rival, time * each, target);
+    let mut met = vec![row(rival, rival_time, target)];
+    if is_main {
+        let literal = "f32, literal: positions, divisions";
+        met.push(row(literal, literal_time, Target::SpeedAtLeast(3.0)));
+        row("the same, plain instructions", plain_time, Target::Speed);
+        let some: Vec<Ray<f64>> = rays.iter().copied().step_by(SAMPLE).collect();
+        let [golden, in_f64] = quickest(
+            3,
+            [
+                &mut || golden_walks(FloatReading(E7F16), pyramid, &some),
+                &mut || golden_walks(F64Reading, pyramid, &some),
+            ],
+        );
+        // Rows are scaled to all rays.
+        let scale = rays.len() as f64 / some.len() as f64;
+        row(
+            "the definition, e7f16, one by one",
+            golden * scale,
+            Target::Speed,
+        );
+        row(
+            "the definition, f64, one by one",
+            in_f64 * scale,
+            Target::Speed,
+        );
+    }
+    met
 }
 
-/// Rays per second: the median of several runs.
-fn rate(rays: &[Ray<f64>], mut steps: impl FnMut() -> u64) -> f64 {
-    let mut rates: Vec<f64> = (0..RUNS)
-        .map(|_| {
-            let start = Instant::now();
-            assert!(black_box(steps()) > rays.len() as u64);
-            rays.len() as f64 / start.elapsed().as_secs_f64()
-        })
-        .collect();
-    rates.sort_by(f64::total_cmp);
-    rates[RUNS / 2]
-}
-
-fn golden_steps<R: NumberFormat>(mut reading: R, pyramid: &Pyramid, rays: &[Ray<f64>]) -> u64 {
+fn golden_walks<R: NumberFormat>(mut reading: R, pyramid: &Pyramid, rays: &[Ray<f64>]) {
     let memory = pyramid.memory();
-    rays.iter()
+    let steps: u64 = rays
+        .iter()
         .map(|&ray| {
             let ray = enter(&mut reading, ray);
             u64::from(walk(&mut reading, pyramid, memory, ray).steps)
         })
-        .sum()
-}
-
-/// Method `oh` in native floats; returns its steps.
-fn native_walk(pyramid: &Pyramid, ray: Ray<f32>) -> u64 {
-    let (flip_u, flip_v) = (ray.du < 0.0, ray.dv < 0.0);
-    let (u, v) = (
-        if flip_u { -ray.u } else { ray.u },
-        if flip_v { -ray.v } else { ray.v },
-    );
-    let (du, dv) = (ray.du.abs(), ray.dv.abs());
-    let (per_u, per_v) = (1.0 / du, 1.0 / dv);
-    let full = ((1_u32 << pyramid.bits()) - 1) as f32;
-    let memory = pyramid.memory();
-    let root = pyramid.levels();
-    let (mut below_root, mut t, mut steps) = (0_u32, 0.0_f32, 0_u64);
-    let (mut i, mut j) = (u.floor() as i32, v.floor() as i32);
-    let mut size = 1.0_f32;
-    loop {
-        steps += 1;
-        let mask = (1_i32 << below_root) - 1;
-        let column = (if flip_u { !i } else { i }) & mask;
-        let row = (if flip_v { !j } else { j }) & mask;
-        let address = (1 << (2 * below_root)) | (row << below_root) | column;
-        let depth = 1.0 - f32::from(memory[address as usize]) / full;
-        let exit_u = ((i + 1) as f32 * size - u) * per_u;
-        let exit_v = ((j + 1) as f32 * size - v) * per_v;
-        let exit = exit_u.min(exit_v);
-        if depth <= t || depth <= exit {
-            t = t.max(depth);
-            if below_root == root {
-                return steps + u64::from(t > 2.0);
-            }
-            let half = 0.5 * size;
-            let far_u = u + t * du >= (2 * i + 1) as f32 * half;
-            let far_v = v + t * dv >= (2 * j + 1) as f32 * half;
-            (i, j) = (2 * i + i32::from(far_u), 2 * j + i32::from(far_v));
-            (below_root, size) = (below_root + 1, half);
-        } else {
-            t = exit;
-            if exit_u <= exit_v { i += 1 } else { j += 1 }
-        }
-    }
+        .sum();
+    black_box(steps);
 }
