@@ -8,7 +8,7 @@ use crate::ray::{REACH_TEXELS, Ray};
 pub(super) const BLOCK: usize = 64;
 
 /// The least entry coordinate, other than zero, that is walked in a packet: below it, distances to
-/// node borders no longer fit an `f64`. One ray in half a million is nearer to a corner of the map.
+/// node borders no longer fit an `f64`. One ray in half a million enters that near to the border of the map.
 pub(super) const LEAST_COORDINATE: f64 = 1.0 / (1 << 20) as f64;
 
 /// What is put in the place of 1/0: the exits it gives lie beyond every depth, as they should, and
