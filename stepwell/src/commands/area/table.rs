@@ -281,7 +281,11 @@ impl Target {
         let missed = [
             self.lut4.filter(|lut4| unit.lut4 > *lut4).map(|lut4| {
                 let excess = unit.lut4 as f64 / lut4 as f64 - 1.0;
-                format!("LUT4 {:.1} % too many", excess * 100.0)
+                let of_logic = match unit.lut4_of_logic <= lut4 {
+                    true => " (not so those of logic)",
+                    false => "",
+                };
+                format!("LUT4 {:.1} % too many{of_logic}", excess * 100.0)
             }),
             self.dsp
                 .filter(|dsp| unit.dsp > *dsp)
@@ -388,7 +392,11 @@ mod tests {
         };
         for (figures, verdict) in [
             (figures(100, 1, 50.0), "yes"),
-            (figures(101, 1, 50.0), "**no**: LUT4 1.0 % too many"),
+            (
+                figures(101, 1, 50.0),
+                "**no**: LUT4 1.0 % too many (not so those of logic)",
+            ),
+            (figures(210, 1, 60.0), "**no**: LUT4 110.0 % too many"),
             (figures(100, 2, 50.0), "**no**: too many DSP"),
             (figures(90, 0, 45.0), "**no**: 10.0 % too slow"),
         ] {
