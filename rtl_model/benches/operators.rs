@@ -17,8 +17,10 @@ use rustc_apfloat::ieee::{IeeeFloat, Semantics};
 use rustc_apfloat::{Float, Round};
 use std::hint::black_box;
 
-/// Rounds of each comparison.
-const RUNS: usize = 60;
+/// Rounds of each comparison with native floats: short ones, and many, so that some are undisturbed.
+const RUNS: usize = 2000;
+/// Rounds of the comparisons with slower rivals.
+const LONG_RUNS: usize = 50;
 /// Operations timed at once, at least.
 const OPERATIONS: usize = 1 << 18;
 
@@ -40,7 +42,7 @@ const OPERATORS: [(&str, Operator); 3] = [
 
 fn main() {
     println!(
-        "e7f16 on slices ({}), to nearest even, one thread, nanoseconds a number, quickest of {RUNS}",
+        "e7f16 on slices ({}), to nearest even, one thread, nanoseconds a number, quickest of {RUNS} rounds",
         InstructionSet::Detected
     );
     let mut met = Vec::new();
@@ -139,7 +141,7 @@ fn software(name: &str, operator: Operator, count: usize) -> bool {
     let mut results = vec![0; count];
     let mut software_results = x.clone();
     let [ours, rivals] = quickest(
-        RUNS / 4,
+        LONG_RUNS,
         [
             &mut || {
                 let (a, b) = (black_box(&a), black_box(&b));
@@ -216,7 +218,7 @@ fn other_routes(name: &str, operator: Operator, count: usize) {
         }
     };
     let [ours, plain_time, single_time, integer_time] = quickest(
-        RUNS / 4,
+        LONG_RUNS,
         [
             &mut || on(InstructionSet::Detected, &mut fast),
             &mut || on(InstructionSet::Plain, &mut plain),
