@@ -41,12 +41,20 @@ impl Sets {
         } = configuration;
         let like = match operator {
             FloatOperator::Add | FloatOperator::Subtract => Operation::Add,
-            FloatOperator::Compare | FloatOperator::LessThan | FloatOperator::LessEqual => {
-                Operation::Add
-            }
+            FloatOperator::Compare
+            | FloatOperator::CompareSignalling
+            | FloatOperator::Minimum
+            | FloatOperator::Maximum
+            | FloatOperator::LessThan
+            | FloatOperator::LessEqual => Operation::Add,
             FloatOperator::Multiply => Operation::Multiply,
             FloatOperator::Divide => Operation::Divide,
-            FloatOperator::ToInteger { .. } | FloatOperator::Floor => Operation::SquareRoot,
+            FloatOperator::SquareRoot
+            | FloatOperator::ToInteger { .. }
+            | FloatOperator::ToUnsigned { .. }
+            | FloatOperator::Convert { .. }
+            | FloatOperator::RoundToIntegral
+            | FloatOperator::Floor => Operation::SquareRoot,
             _ => return Sets::Others(OperandSets::new(operator, format, count, seed)),
         };
         Sets::Floats(Operands::new(like, format, count, seed))

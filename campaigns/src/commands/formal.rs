@@ -32,7 +32,10 @@ pub struct Formal {
 
 /// What is proven under every rounding, and from which tier on.
 fn subjects() -> Vec<(Tier, OperatorConfiguration)> {
-    use FloatOperator::{Add, Compare, Divide, Floor, FromInteger, Multiply, Subtract, ToInteger};
+    use FloatOperator::{
+        Add, Compare, CompareSignalling, Convert, Divide, Floor, FromInteger, FromSigned,
+        FromUnsigned, Multiply, RoundToIntegral, SquareRoot, Subtract, ToInteger, ToUnsigned,
+    };
     let to_integer = ToInteger { bits: 24 };
     let from_integer = FromInteger {
         value_bits: 24,
@@ -57,16 +60,29 @@ fn subjects() -> Vec<(Tier, OperatorConfiguration)> {
     };
     let fp24 = FloatFormat::E7F16;
     add(Tier::Quick, Compare, fp24);
-    for operator in [Floor, to_integer, from_integer, Add, Subtract] {
+    let half = FloatFormat::new(5, 10);
+    for operator in [
+        CompareSignalling,
+        Floor,
+        RoundToIntegral,
+        to_integer,
+        ToUnsigned { bits: 24 },
+        from_integer,
+        FromSigned { bits: 24 },
+        FromUnsigned { bits: 24 },
+        Convert { target: half },
+        Add,
+        Subtract,
+    ] {
         add(Tier::Substantial, operator, fp24);
     }
-    for operator in [Add, Multiply, Divide] {
+    for operator in [Add, Multiply, Divide, SquareRoot] {
         add(Tier::Quick, operator, FloatFormat::E4F3);
         add(Tier::Substantial, operator, FloatFormat::new(3, 4));
         add(Tier::Substantial, operator, FloatFormat::new(5, 2));
     }
     // As wide as it goes.
-    for operator in [Multiply, Divide] {
+    for operator in [Multiply, Divide, SquareRoot] {
         add(Tier::Substantial, operator, FloatFormat::new(5, 5));
         add(Tier::Exhaustive, operator, FloatFormat::new(5, 7));
     }

@@ -61,7 +61,31 @@ impl Specification {
             FloatOperator::Subtract => ("plain_add", true, vec![("SUBTRACT", 1)]),
             FloatOperator::Multiply => ("plain_multiply", true, vec![]),
             FloatOperator::Divide => ("plain_divide", true, vec![]),
-            FloatOperator::Compare => ("plain_compare", false, vec![]),
+            FloatOperator::SquareRoot => ("plain_square_root", true, vec![]),
+            FloatOperator::Compare => ("plain_compare", false, vec![("SIGNALLING", 0)]),
+            FloatOperator::CompareSignalling => ("plain_compare", false, vec![("SIGNALLING", 1)]),
+            FloatOperator::FromSigned { bits } => {
+                ("plain_from_word", true, vec![("BITS", bits), ("SIGNED", 1)])
+            }
+            FloatOperator::FromUnsigned { bits } => {
+                ("plain_from_word", true, vec![("BITS", bits), ("SIGNED", 0)])
+            }
+            FloatOperator::ToUnsigned { bits } => (
+                "plain_to_integer",
+                true,
+                vec![("BITS", bits), ("SIGNED", 0)],
+            ),
+            FloatOperator::Convert { target } => (
+                "plain_convert",
+                true,
+                vec![
+                    ("TARGET_EXPONENT_BITS", target.exponent_bits),
+                    ("TARGET_FRACTION_BITS", target.fraction_bits),
+                ],
+            ),
+            FloatOperator::RoundToIntegral => {
+                ("plain_round_to_integral", true, vec![("RAISES", 1)])
+            }
             FloatOperator::FromInteger {
                 value_bits,
                 exponent_bits,

@@ -320,7 +320,10 @@ fn parts(configuration: OperatorConfiguration, hardware: &Module) -> Result<Vec<
     }
     let by_exponent = matches!(
         configuration.operator,
-        FloatOperator::Floor | FloatOperator::ToInteger { .. }
+        FloatOperator::Floor
+            | FloatOperator::RoundToIntegral
+            | FloatOperator::ToInteger { .. }
+            | FloatOperator::ToUnsigned { .. }
     );
     let cases = if by_exponent && format.width() > WHOLE_WIDTH {
         let fields = 0..=format.exponent_all_ones();
