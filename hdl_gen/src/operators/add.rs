@@ -4,7 +4,9 @@ use rtl_model::float::{FloatFormat, Policy, Rounding};
 
 use super::OperatorConfiguration;
 use super::normalise::{normalise_down_to, normalise_sum};
-use super::round::{Answer, Small, Tail, Unrounded, exponent_width, needs_tail, round};
+use super::round::{
+    Answer, EarlyBounds, Small, Tail, Unrounded, exponent_width, needs_tail, round,
+};
 use super::shift::{rows, shift_right};
 use super::unpack::{
     Fields, effective_exponent, exponent_nonzero, fields, is_signalling, is_special, magnitude,
@@ -200,6 +202,28 @@ pub(super) fn add(
             normalise_down_to(builder, exact_sum, exponent, exponent_word_bits)
         }
     };
+    let early_bounds = (policy == Policy::Flush).then(|| {
+        // A sum has at most one more bit than is kept where it carries, so that it does not carry
+        // again when rounded: it overflows only from the largest exponent, and by one.
+        let highest = builder.constant(format.exponent_all_ones() - 1, format.exponent_bits);
+        let is_highest = builder.equal(larger_exponent, highest);
+        builder.name(is_highest, "larger_is_highest");
+        let top_two = builder.slice(exact_sum, sum_bits - 2, sum_bits - 3);
+        let stays_up = builder.any_bit(top_two);
+        builder.name(stays_up, "sum_keeps_exponent");
+        let may_overflow = builder.and(is_highest, stays_up);
+        builder.name(may_overflow, "may_overflow");
+        // A sum of normal numbers is a multiple of the last bit of the smallest: below that one it
+        // is exact.
+        let places_bits = builder.width(normalised.places).max(format.exponent_bits);
+        let places = builder.zero_extend(normalised.places, places_bits);
+        let exponent = builder.zero_extend(larger_exponent, places_bits);
+        let underflow = builder.less_than(exponent, places);
+        EarlyBounds {
+            may_overflow,
+            underflow: builder.name(underflow, "underflow"),
+        }
+    });
     let top = builder.width(normalised.word) - 1;
     let fraction = builder.slice(normalised.word, top - 1, top - fraction_bits);
     builder.name(fraction, "sum_fraction");
@@ -286,6 +310,7 @@ pub(super) fn add(
                 // A sum of numbers is a multiple of the smallest: below the normal ones it is exact.
                 Policy::Full => Small::Encoded { underflow: None },
             },
+            early_bounds,
         },
     )
 }

@@ -100,6 +100,7 @@ pub(super) fn convert(
             is_invalid,
             divides_by_zero: None,
             small: Small::Normalised,
+            early_bounds: None,
         },
     )
 }

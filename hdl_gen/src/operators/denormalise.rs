@@ -87,6 +87,7 @@ pub(super) fn denormalise(
         fraction,
         tail,
         small: Small::Encoded { underflow },
+        early_bounds: None,
         ..exact.clone()
     }
 }

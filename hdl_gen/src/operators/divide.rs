@@ -166,6 +166,7 @@ pub(super) fn divide(builder: &mut Builder, configuration: OperatorConfiguration
             is_invalid,
             divides_by_zero,
             small: Small::Normalised,
+            early_bounds: None,
         },
     )
 }

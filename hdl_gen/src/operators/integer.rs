@@ -121,6 +121,7 @@ pub(super) fn from_integer(
             is_invalid: None,
             divides_by_zero: None,
             small: Small::Normalised,
+            early_bounds: None,
         },
     )
 }

@@ -169,6 +169,7 @@ pub(super) fn multiply(builder: &mut Builder, configuration: OperatorConfigurati
                 is_invalid,
                 divides_by_zero: None,
                 small: Small::Encoded { underflow },
+                early_bounds: None,
             },
         );
     }
@@ -251,6 +252,7 @@ pub(super) fn multiply(builder: &mut Builder, configuration: OperatorConfigurati
             is_invalid,
             divides_by_zero: None,
             small: Small::Normalised,
+            early_bounds: None,
         },
     )
 }

@@ -13,6 +13,8 @@ pub(super) struct NormalisedSum {
     pub adjustment: Wire,
     /// Was there a one?
     pub any: Wire,
+    /// The places it moved.
+    pub places: Wire,
 }
 
 /// Leading zeros are first counted in fours, all at once, then by twos and ones while they are
@@ -76,11 +78,14 @@ pub(super) fn normalise_sum(
         builder.sign_extend(adjustment, exponent_bits)
     };
     builder.name(adjustment, "exponent_adjustment");
+    let places = builder.concat(&[fours.count, by_two, by_one]);
+    builder.name(places, "places_moved");
     NormalisedSum {
         word,
         exponent: builder.zero_extend(exponent, exponent_bits),
         adjustment,
         any: fours.any,
+        places,
     }
 }
 
@@ -170,5 +175,6 @@ pub(super) fn normalise_down_to(
         exponent: remaining,
         adjustment,
         any,
+        places: zeros.count,
     }
 }

@@ -57,6 +57,14 @@ fn bounds(
 ) -> Bounds {
     let format = configuration.format;
     let (exponent_bits, fraction_bits) = (format.exponent_bits, format.fraction_bits);
+    if let Some(early) = exact.early_bounds {
+        let last_bit = builder.bit(rounded, fraction_bits);
+        let overflow = builder.and(early.may_overflow, last_bit);
+        return Bounds {
+            overflow: Some(builder.name(overflow, "overflow")),
+            underflow: Some(early.underflow),
+        };
+    }
     let top = builder.width(rounded) - 1;
     let all_ones = i64::try_from(format.exponent_all_ones()).expect("11 exponent bits at most");
     let is_signed = *exact.exponent_range.start() < 0;
@@ -140,16 +148,24 @@ fn select(
         let zero = builder.constant(0, exponent_bits);
         exponent = builder.mux(becomes_zero, zero, exponent);
     }
-    // Where an operand is zero the exponent is none.
-    let to_infinity = to_infinity.map(|wire| unless(builder, wire, exact.is_zero));
-    let exponent_is_ones = any_of(builder, [exact.is_nan, exact.is_infinity, to_infinity]);
+    // An overflow that is known by its last bit has all ones for its exponent; else, where an
+    // operand is zero, the exponent is none.
+    let (overflow_to_ones, overflow_of_ones) = match exact.early_bounds {
+        Some(_) => (None, to_infinity),
+        None => {
+            let to_infinity = to_infinity.map(|wire| unless(builder, wire, exact.is_zero));
+            (to_infinity, None)
+        }
+    };
+    let exponent_is_ones = any_of(builder, [exact.is_nan, exact.is_infinity, overflow_to_ones]);
     if let Some(exponent_is_ones) = exponent_is_ones {
         builder.name(exponent_is_ones, "exponent_is_ones");
         let ones = builder.constant(format.exponent_all_ones(), exponent_bits);
         exponent = builder.mux(exponent_is_ones, ones, exponent);
     }
     builder.name(exponent, "result_exponent_field");
-    if let Some(is_zero) = any_of(builder, [becomes_zero, exponent_is_ones]) {
+    let zeros = [becomes_zero, exponent_is_ones, overflow_of_ones];
+    if let Some(is_zero) = any_of(builder, zeros) {
         builder.name(is_zero, "fraction_is_zero");
         let low_bits = fraction_bits - 1;
         // Only the canonical NaN has a fraction that is neither the rounded one nor zero.
@@ -160,8 +176,15 @@ fn select(
         };
         let top = builder.mux(is_zero, nan_top, top);
         let low = builder.slice(fraction, low_bits - 1, 0);
-        let zeros = builder.constant(0, low_bits);
-        let low = builder.mux(is_zero, zeros, low);
+        let low = if overflow_of_ones.is_some() {
+            // By gates: the way to a synchronous reset would be the longest.
+            let stays = builder.not(is_zero);
+            let stays = builder.sign_extend(stays, low_bits);
+            builder.and(low, stays)
+        } else {
+            let zeros = builder.constant(0, low_bits);
+            builder.mux(is_zero, zeros, low)
+        };
         fraction = builder.concat(&[top, low]);
     }
     builder.name(fraction, "result_fraction");

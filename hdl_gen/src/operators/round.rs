@@ -37,6 +37,17 @@ pub(super) enum Small {
     },
 }
 
+/// What an operator knows of both ends of the range before it rounds: it spares the rounder the look
+/// at the exponent behind its addition.
+#[derive(Clone, Copy)]
+pub(super) struct EarlyBounds {
+    /// Rounded, the exponent is that of the largest finite number or one more, and the last bit of
+    /// it tells whether the result overflows.
+    pub may_overflow: Wire,
+    /// The result is below the smallest normal number, and exact but for being flushed.
+    pub underflow: Wire,
+}
+
 /// A result before it is rounded and packed.
 #[derive(Clone)]
 pub(super) struct Unrounded {
@@ -65,6 +76,8 @@ pub(super) struct Unrounded {
     pub divides_by_zero: Option<Wire>,
     /// What an exponent below 1 stands for.
     pub small: Small,
+    /// Where overflow and underflow are known early; else the rounded exponent is asked.
+    pub early_bounds: Option<EarlyBounds>,
 }
 
 /// An operator's answer.

@@ -87,10 +87,13 @@ pub(super) fn rows(width: u32) -> u32 {
     u32::BITS - (width - 1).leading_zeros()
 }
 
+/// Rows that look at the bits they lose. What all later ones lose is found beside them, by fours.
+const FINE_ROWS: u32 = 2;
+
 /// Shifts right by `amount`, zeros coming in at the top, in rows of selectors by 1, 2, 4, ...: the
-/// low bits of the amount, which are known first, are used first, and each row looks only at the
-/// bits it loses, which is less than half of what masking the word would cost. The lowest `padding`
-/// bits of the word are known to be zeros.
+/// low bits of the amount, which are known first, are used first. The first rows look only at the
+/// bits they lose; the others lose whole groups of four bits, so that whether one was set is known no
+/// later than the word. The lowest `padding` bits of the word are known to be zeros.
 pub(super) fn shift_right(
     builder: &mut Builder,
     word: Wire,
@@ -103,11 +106,14 @@ pub(super) fn shift_right(
     let mut moved = word;
     let mut losses = Vec::new();
     for row in 0..rows {
+        if row == FINE_ROWS {
+            losses.push(lost_by_fours(builder, moved, amount, rows, name));
+        }
         let step = 1 << row;
         let select = builder.bit(amount, row);
         let before = step - 1; // the farthest the rows so far have moved the word
         let lost_from = padding.saturating_sub(before);
-        if lost_from < step {
+        if row < FINE_ROWS && lost_from < step {
             let leaving = builder.slice(moved, step.min(width) - 1, lost_from);
             let any = builder.any_bit(leaving);
             builder.name(any, format!("{name}_leaving_by_{step}"));
@@ -141,4 +147,38 @@ pub(super) fn shift_right(
         lost,
         out_of_reach,
     }
+}
+
+/// Do the rows from [`FINE_ROWS`] on lose a one? They move the word by fours: lost is the group of four
+/// below the amount's upper bits, and all before it.
+fn lost_by_fours(builder: &mut Builder, word: Wire, amount: Wire, rows: u32, name: &str) -> Wire {
+    let width = builder.width(word);
+    let groups: Vec<Wire> = (0..width)
+        .step_by(4)
+        .map(|low| {
+            let group = builder.slice(word, (low + 3).min(width - 1), low);
+            let any = builder.any_bit(group);
+            builder.name(any, format!("{name}_any_from_{low}"))
+        })
+        .collect();
+    // Entry k: is a one in the lowest k groups?
+    let mut lost: Vec<Wire> = (0..1 << (rows - FINE_ROWS))
+        .map(|count: usize| {
+            let below: Vec<Wire> = groups.iter().take(count).rev().copied().collect();
+            if below.is_empty() {
+                builder.constant(0, 1)
+            } else {
+                let below = builder.concat(&below);
+                builder.any_bit(below)
+            }
+        })
+        .collect();
+    for row in FINE_ROWS..rows {
+        let select = builder.bit(amount, row);
+        lost = lost
+            .chunks(2)
+            .map(|pair| builder.mux(select, pair[1], pair[0]))
+            .collect();
+    }
+    builder.name(lost[0], format!("{name}_lost_by_fours"))
 }

@@ -135,6 +135,7 @@ pub(super) fn square_root(builder: &mut Builder, configuration: OperatorConfigur
             is_invalid,
             divides_by_zero: None,
             small: Small::Normalised,
+            early_bounds: None,
         },
     )
 }

@@ -279,6 +279,7 @@ pub(super) fn to_float(
             is_invalid: None,
             divides_by_zero: None,
             small: Small::Normalised,
+            early_bounds: None,
         },
     )
 }
