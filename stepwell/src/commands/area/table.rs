@@ -168,13 +168,15 @@ pub fn markdown(report: &Report, seeds: u32, versions: &Versions) -> anyhow::Res
          {}. The operator stands between two layers of registers on each side, so that pads \
          and their place draw on nothing; those registers are not counted. With n cycles there \
          are n stretches of logic from register to register.\n\n\
-         LUT4 is nextpnr's count of look-up tables taken (`TRELLIS_COMB`): those of logic, two for \
-         every carry cell, those that lead into and out of carry chains, and one or two that drive \
-         constants; \"of logic\" are the first alone.\n\n\
+         LUT4 is what Yosys counts as `LUT4`: look-up tables of logic. The targets count so: a \
+         product of two words of 17 bits without a DSP block takes 733 of them here, and the \
+         targets of `float_mul` with and without one differ by 735. \"Taken\" is nextpnr's \
+         count (`TRELLIS_COMB`), with two for every carry cell, those that lead into and out of \
+         carry chains, and one or two that drive constants.\n\n\
          Tools: {yosys}, {nextpnr}, standard cells {cells}. Figures compare only at one version of \
          them.\n\n\
          ## Beside targets and rivals\n\n\
-         | operator | cycles | built | LUT4 | of logic | DSP | FF | MHz | target | met | rivals |\n\
+         | operator | cycles | built | LUT4 | taken | DSP | FF | MHz | target | met | rivals |\n\
          |---|--:|---|--:|--:|--:|--:|--:|---|---|---|\n",
         if seeds == 1 { "seed" } else { "seeds" }
     );
@@ -186,8 +188,8 @@ pub fn markdown(report: &Report, seeds: u32, versions: &Versions) -> anyhow::Res
             unit.unit,
             unit.latency,
             built(unit),
-            unit.lut4,
             unit.lut4_of_logic,
+            unit.lut4,
             unit.dsp,
             unit.ff,
             unit.fmax_mhz,
@@ -279,14 +281,9 @@ impl Target {
             return String::new();
         }
         let missed = [
-            self.lut4.filter(|lut4| unit.lut4 > *lut4).map(|lut4| {
-                let excess = unit.lut4 as f64 / lut4 as f64 - 1.0;
-                let of_logic = match unit.lut4_of_logic <= lut4 {
-                    true => " (not so those of logic)",
-                    false => "",
-                };
-                format!("LUT4 {:.1} % too many{of_logic}", excess * 100.0)
-            }),
+            self.lut4
+                .filter(|lut4| unit.lut4_of_logic > *lut4)
+                .map(|lut4| format!("LUT4 {:.1} % too many", excess(unit.lut4_of_logic, lut4))),
             self.dsp
                 .filter(|dsp| unit.dsp > *dsp)
                 .map(|_| "too many DSP".to_owned()),
@@ -296,10 +293,19 @@ impl Target {
         ];
         let missed: Vec<String> = missed.into_iter().flatten().collect();
         match missed.is_empty() {
-            true => "yes".to_owned(),
+            true => match self.lut4.filter(|lut4| unit.lut4 > *lut4) {
+                // Said, lest the other reading of the target go unnoticed.
+                Some(lut4) => format!("yes; taken {:.1} % more", excess(unit.lut4, lut4)),
+                None => "yes".to_owned(),
+            },
             false => format!("**no**: {}", missed.join(", ")),
         }
     }
+}
+
+/// By how much a count is above its limit, in per cent.
+fn excess(count: u64, limit: u64) -> f64 {
+    (count as f64 / limit as f64 - 1.0) * 100.0
 }
 
 impl Rival {
@@ -392,11 +398,8 @@ mod tests {
         };
         for (figures, verdict) in [
             (figures(100, 1, 50.0), "yes"),
-            (
-                figures(101, 1, 50.0),
-                "**no**: LUT4 1.0 % too many (not so those of logic)",
-            ),
-            (figures(210, 1, 60.0), "**no**: LUT4 110.0 % too many"),
+            (figures(101, 1, 50.0), "yes; taken 1.0 % more"),
+            (figures(210, 1, 60.0), "**no**: LUT4 5.0 % too many"),
             (figures(100, 2, 50.0), "**no**: too many DSP"),
             (figures(90, 0, 45.0), "**no**: 10.0 % too slow"),
         ] {
