@@ -15,9 +15,9 @@ pub struct Ecp5 {
     /// Look-up tables of four inputs that are taken: nextpnr's `TRELLIS_COMB`. Those that hold
     /// logic, two for every carry cell, those that lead into and out of carry chains, and one or
     /// two that drive the constants 0 and 1.
-    pub lut4: u64,
+    pub lut4_taken: u64,
     /// Of those the ones that hold logic.
-    pub lut4_of_logic: u64,
+    pub lut4: u64,
     /// Registers, without the layers around the module.
     pub ff: u64,
     /// Carry cells of two bits, `CCU2C`.
@@ -32,7 +32,7 @@ pub struct Ecp5 {
 
 /// What synthesis alone can tell.
 pub(super) struct Synthesised {
-    lut4_of_logic: u64,
+    lut4: u64,
     ff: u64,
     carry: u64,
     dsp: u64,
@@ -40,7 +40,7 @@ pub(super) struct Synthesised {
 
 /// What one placement tells.
 pub(super) struct Placed {
-    lut4: u64,
+    lut4_taken: u64,
     fmax_mhz: f64,
 }
 
@@ -64,7 +64,7 @@ pub(super) fn synthesise(
     let netlist =
         MappedNetlist::read(&text, top).map_err(|problem| tools.yosys.unreadable(problem))?;
     Ok(Synthesised {
-        lut4_of_logic: netlist.count(&["LUT4"]),
+        lut4: netlist.count(&["LUT4"]),
         ff: netlist.registers_within("TRELLIS_FF", "DI", "Q"),
         carry: netlist.count(&["CCU2C"]),
         dsp: netlist.count(&["MULT18X18D"]),
@@ -86,8 +86,12 @@ pub(super) fn place(tools: &Tools, folder: &Path, seed: u64) -> Result<Placed, A
 pub(super) fn summary(synthesised: &Synthesised, placed: &[Placed]) -> Ecp5 {
     let fmax_mhz_of_seeds: Vec<f64> = placed.iter().map(|one| rounded(one.fmax_mhz)).collect();
     Ecp5 {
-        lut4: placed.iter().map(|one| one.lut4).max().unwrap_or_default(),
-        lut4_of_logic: synthesised.lut4_of_logic,
+        lut4_taken: placed
+            .iter()
+            .map(|one| one.lut4_taken)
+            .max()
+            .unwrap_or_default(),
+        lut4: synthesised.lut4,
         ff: synthesised.ff,
         carry: synthesised.carry,
         dsp: synthesised.dsp,
@@ -132,11 +136,11 @@ struct Utilization {
 fn placed(text: &str) -> Result<Placed, String> {
     let report: Report = serde_json::from_str(text).map_err(|problem| problem.to_string())?;
     let comb = report.utilization.get("TRELLIS_COMB");
-    let lut4 = comb.ok_or("no TRELLIS_COMB in its report")?.used;
+    let lut4_taken = comb.ok_or("no TRELLIS_COMB in its report")?.used;
     let clocks: Vec<&Clock> = report.fmax.values().collect();
     match clocks[..] {
         [clock] if clock.achieved > 0.0 => Ok(Placed {
-            lut4,
+            lut4_taken,
             fmax_mhz: clock.achieved,
         }),
         _ => Err(format!(
@@ -156,7 +160,7 @@ mod tests {
     #[test]
     fn a_report_is_read_and_a_broken_one_refused() {
         let read = placed(REPORT).unwrap();
-        assert_eq!((read.lut4, read.fmax_mhz), (449, 58.37));
+        assert_eq!((read.lut4_taken, read.fmax_mhz), (449, 58.37));
         for (old, new) in [
             ("TRELLIS_COMB", "LUT4"),
             (r#""$glbnet$clk""#, r#""x": {"achieved": 1}, "$glbnet$clk""#),

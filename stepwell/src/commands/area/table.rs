@@ -188,8 +188,8 @@ pub fn markdown(report: &Report, seeds: u32, versions: &Versions) -> anyhow::Res
             unit.unit,
             unit.latency,
             built(unit),
-            unit.lut4_of_logic,
             unit.lut4,
+            unit.lut4_taken,
             unit.dsp,
             unit.ff,
             unit.fmax_mhz,
@@ -282,8 +282,8 @@ impl Target {
         }
         let missed = [
             self.lut4
-                .filter(|lut4| unit.lut4_of_logic > *lut4)
-                .map(|lut4| format!("LUT4 {:.1} % too many", excess(unit.lut4_of_logic, lut4))),
+                .filter(|lut4| unit.lut4 > *lut4)
+                .map(|lut4| format!("LUT4 {:.1} % too many", excess(unit.lut4, lut4))),
             self.dsp
                 .filter(|dsp| unit.dsp > *dsp)
                 .map(|_| "too many DSP".to_owned()),
@@ -293,9 +293,9 @@ impl Target {
         ];
         let missed: Vec<String> = missed.into_iter().flatten().collect();
         match missed.is_empty() {
-            true => match self.lut4.filter(|lut4| unit.lut4 > *lut4) {
+            true => match self.lut4.filter(|lut4| unit.lut4_taken > *lut4) {
                 // Said, lest the other reading of the target go unnoticed.
-                Some(lut4) => format!("yes; taken {:.1} % more", excess(unit.lut4, lut4)),
+                Some(lut4) => format!("yes; taken {:.1} % more", excess(unit.lut4_taken, lut4)),
                 None => "yes".to_owned(),
             },
             false => format!("**no**: {}", missed.join(", ")),
@@ -336,8 +336,8 @@ mod tests {
     fn figures(lut4: u64, dsp: u64, fmax_mhz: f64) -> Figures {
         Figures {
             ecp5: Ecp5 {
-                lut4,
-                lut4_of_logic: lut4 / 2,
+                lut4: lut4 / 2,
+                lut4_taken: lut4,
                 ff: 24,
                 carry: 5,
                 dsp,
