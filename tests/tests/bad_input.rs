@@ -244,8 +244,8 @@ fn scenes_that_are_none() {
     );
     refuses(
         "\"e7f16\"",
-        "\"half\"",
-        &["unknown format `half`", "such as e7f16"],
+        "\"quarter\"",
+        &["unknown format `quarter`", "such as e7f16"],
     );
     refuses("width = 32", "width = 0", &["0 pixels", "1 to 8192"]);
     let bench = Bench::new();
