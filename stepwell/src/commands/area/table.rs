@@ -168,8 +168,8 @@ pub fn markdown(report: &Report, seeds: u32, versions: &Versions) -> anyhow::Res
          {}. The operator stands between two layers of registers on each side, so that pads \
          and their place draw on nothing; those registers are not counted. With n cycles there \
          are n stretches of logic from register to register.\n\n\
-         LUT4 is what Yosys counts as `LUT4`: look-up tables of logic. The targets count so: a \
-         product of two words of 17 bits without a DSP block takes 733 of them here, and the \
+         LUT4 is what Yosys counts as `LUT4`: look-up tables of logic. The targets seem to count \
+         so: a product of two words of 17 bits without a DSP block takes 733 of them here, and the \
          targets of `float_mul` with and without one differ by 735. \"Taken\" is nextpnr's \
          count (`TRELLIS_COMB`), with two for every carry cell, those that lead into and out of \
          carry chains, and one or two that drive constants.\n\n\
