@@ -68,6 +68,11 @@ pub trait Arith {
         value: Self::Int,
         exponent: Self::Int,
     ) -> Self::Num;
+    /// `a * 2^exponent`. Exact, but for a result beyond the format's exponents: infinity, or zero.
+    fn scale(&mut self, a: Self::Num, exponent: i32) -> Self::Num;
+    /// The largest integer not above `a`, as a two's complement integer of `bits` bits; the nearer
+    /// end of their range where it lies beyond; 0 for NaN.
+    fn floor(&mut self, a: Self::Num, bits: u32) -> Self::Int;
     /// The depth `1 - height / (2^bits - 1)` of an unsigned normalised height, rounded toward zero
     /// depth, that is toward the ray (DESIGN: conservative).
     fn depth_from_height(&mut self, height: Self::Int, bits: u32) -> Self::Num;
@@ -80,6 +85,12 @@ pub trait Arith {
     fn int_sub(&mut self, a: Self::Int, b: Self::Int) -> Self::Int;
     /// `a * 2^amount`, exact; `amount` is at least 0 and below `2^amount_bits`.
     fn int_shift_left(&mut self, a: Self::Int, amount: Self::Int, amount_bits: u32) -> Self::Int;
+    /// `a / 2^amount`, rounded down; `amount` is at least 0 and below `2^amount_bits`.
+    fn int_shift_right(&mut self, a: Self::Int, amount: Self::Int, amount_bits: u32) -> Self::Int;
+    /// `a * b`, exact.
+    fn int_mul(&mut self, a: Self::Int, b: Self::Int) -> Self::Int;
+    /// Bits of `a` without leading zeros: 0 for 0, 3 for 4 to 7. `a` is not negative.
+    fn int_bit_length(&mut self, a: Self::Int) -> Self::Int;
     /// The low `bits` bits of `a`, read as a signed integer: the one operation that may lose bits,
     /// and named for it. A datapath that relies on `a` fitting says why.
     fn int_wrap(&mut self, a: Self::Int, bits: u32) -> Self::Int;
@@ -89,6 +100,8 @@ pub trait Arith {
     fn int_and(&mut self, a: Self::Int, b: Self::Int) -> Self::Int;
     /// Bitwise or of two's complement integers.
     fn int_or(&mut self, a: Self::Int, b: Self::Int) -> Self::Int;
+    /// Bitwise exclusive or of two's complement integers.
+    fn int_xor(&mut self, a: Self::Int, b: Self::Int) -> Self::Int;
     /// `-1 - a` (all bits inverted) where `condition` holds, else `a`.
     fn int_complement_if(&mut self, condition: Self::Bit, a: Self::Int) -> Self::Int;
     /// `a == b`.

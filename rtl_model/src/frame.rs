@@ -15,9 +15,9 @@ use crate::maps::Pyramid;
 use crate::packet::PacketWalker;
 use crate::picture::{self, PixelHit};
 use crate::ray::Ray;
-use crate::scene::{Method, Scene, Walk, WalkFormat};
+use crate::scene::{Crossing, Method, Scene, Walk, WalkFormat};
 use crate::units::traverse::{Hit, Status};
-use crate::walker::{AdmissionError, Walker};
+use crate::walker::{AdmissionError, Walker, WalkerError};
 
 /// Places that a thread fills before it takes others, and calls the progress function: of rays
 /// walked one at a time.
@@ -102,6 +102,9 @@ pub struct Frame {
 /// Why a frame cannot be walked. Nothing has been walked then.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum WalkFrameError {
+    /// Method, format and crossing do not go together.
+    #[error(transparent)]
+    Walk(#[from] WalkerError),
     /// A pixel whose ray is beyond the unit, the first in reading order.
     #[error(transparent)]
     Pixel(#[from] PixelRayError),
@@ -117,14 +120,20 @@ pub enum WalkFrameError {
     },
 }
 
-/// A ray of a list that cannot be walked, the first of them. Nothing has been walked then.
+/// Why a list of rays cannot be walked. Nothing has been walked then.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("ray {index} (the first is 0): {problem}")]
-pub struct WalkRaysError {
-    /// Its place in the list, from 0.
-    pub index: usize,
-    /// What is wrong with it.
-    pub problem: AdmissionError,
+pub enum WalkRaysError {
+    /// Method, format and crossing do not go together.
+    #[error(transparent)]
+    Walk(#[from] WalkerError),
+    /// A ray of the list, the first that cannot be walked.
+    #[error("ray {index} (the first is 0): {problem}")]
+    Ray {
+        /// Its place in the list, from 0.
+        index: usize,
+        /// What is wrong with it.
+        problem: AdmissionError,
+    },
 }
 
 impl Frame {
@@ -184,7 +193,7 @@ pub fn check_scene(scene: &Scene, pyramid: &Pyramid) -> Result<u64, WalkFrameErr
     let view = scene.view();
     let width = scene.frame.width;
     let pixels = width as usize * scene.frame.height as usize;
-    let checker = Walker::new(scene.walk, pyramid);
+    let checker = Walker::new(scene.walk, pyramid)?;
     let counted = |pixel| {
         let (x, y) = place(pixel, width);
         admit(&checker, &view, x, y).map(|ray| u64::from(ray.is_some()))
@@ -215,10 +224,10 @@ pub fn walk_rays(
     rays: &[Ray<f64>],
     progress: Progress<'_>,
 ) -> Result<Vec<Hit<f64>>, WalkRaysError> {
-    let checker = Walker::new(walk, pyramid);
+    let checker = Walker::new(walk, pyramid)?;
     let fault = rays.par_iter().enumerate().find_map_first(|(index, &ray)| {
         let problem = checker.admit(ray).err()?;
-        Some(WalkRaysError { index, problem })
+        Some(WalkRaysError::Ray { index, problem })
     });
     if let Some(fault) = fault {
         return Err(fault);
@@ -226,7 +235,7 @@ pub fn walk_rays(
     let mut hits = vec![UNWALKED; rays.len()];
     let ray_of = |walker: &Walker<'_>, index: usize| {
         let ray = walker.admit(rays[index]).map(Some);
-        ray.map_err(|problem| WalkRaysError { index, problem })
+        ray.map_err(|problem| WalkRaysError::Ray { index, problem })
     };
     walk_places(walk, pyramid, progress, &mut hits, ray_of, |hit| hit)?;
     Ok(hits)
@@ -251,7 +260,7 @@ fn admit(
 
 /// Fills each place of `answers` that `ray_of` has an admitted ray for with what `answer` makes of
 /// its hit, on all threads.
-fn walk_places<T: Send, E: Send>(
+fn walk_places<T: Send, E: Send + From<WalkerError>>(
     walk: Walk,
     pyramid: &Pyramid,
     progress: Progress<'_>,
@@ -261,7 +270,7 @@ fn walk_places<T: Send, E: Send>(
 ) -> Result<(), E> {
     if packets_pay(walk, pyramid, answers.len()) {
         let packets = PacketWalker::new(pyramid);
-        let checker = Walker::new(walk, pyramid);
+        let checker = Walker::new(walk, pyramid)?;
         let chunks = answers.par_chunks_mut(PACKET_CHUNK).enumerate();
         return chunks.try_for_each_init(PacketChunk::default, |chunk, (number, places)| {
             chunk.clear();
@@ -283,6 +292,7 @@ fn walk_places<T: Send, E: Send>(
     answers.par_chunks_mut(CHUNK).enumerate().try_for_each_init(
         || Walker::new(walk, pyramid),
         |walker, (number, places)| {
+            let walker = walker.as_mut().map_err(|error| *error)?;
             for (offset, place) in places.iter_mut().enumerate() {
                 if let Some(ray) = ray_of(walker, number * CHUNK + offset)? {
                     *place = answer(walker.walk(ray));
@@ -297,8 +307,10 @@ fn walk_places<T: Send, E: Send>(
 /// Can this walk go in packets, and are there rays enough to make up for the copy of the pyramid
 /// that packets need?
 fn packets_pay(walk: Walk, pyramid: &Pyramid, rays: usize) -> bool {
-    let Method::Oh = walk.method;
-    walk.format == WalkFormat::Float(FloatFormat::E7F16) && rays >= pyramid.memory().len() / 16
+    walk.method == Method::Oh
+        && walk.format == WalkFormat::Float(FloatFormat::E7F16)
+        && walk.crossing == Crossing::Index
+        && rays >= pyramid.memory().len() / 16
 }
 
 /// The rays of a chunk, kept from one to the next.
@@ -365,7 +377,7 @@ mod tests {
         let (scene, map, pyramid) = small_scene("e7f16");
         assert!(packets_pay(scene.walk, &pyramid, 32 * 24));
         let frame = walk_scene(&scene, &pyramid, &|_| ()).unwrap();
-        let mut walker = Walker::new(scene.walk, &pyramid);
+        let mut walker = Walker::new(scene.walk, &pyramid).unwrap();
         let rays = scene.view().rays(map.size()).unwrap();
         for (ray, hit) in rays.into_iter().zip(&frame.hits) {
             assert_eq!(ray.map(|ray| walker.walk(walker.admit(ray).unwrap())), *hit);
@@ -419,7 +431,7 @@ mod tests {
             rays[index].dv = f64::NAN;
         }
         let error = walk_rays(scene.walk, &pyramid, &rays, &|_| ()).unwrap_err();
-        assert_eq!(error.index, 1234);
+        assert!(matches!(error, WalkRaysError::Ray { index: 1234, .. }));
         assert!(error.to_string().contains("`dv` is NaN"), "{error}");
     }
 
@@ -431,7 +443,7 @@ mod tests {
         let WalkFrameError::Format { x, y, .. } = error else {
             panic!("{error}");
         };
-        let (view, checker) = (scene.view(), Walker::new(scene.walk, &pyramid));
+        let (view, checker) = (scene.view(), Walker::new(scene.walk, &pyramid).unwrap());
         let first = (0..32 * 24)
             .map(|pixel| (pixel % 32, pixel / 32))
             .find(|&(x, y)| admit(&checker, &view, x, y).is_err());
@@ -450,6 +462,7 @@ mod tests {
         let walk = Walk {
             method: Method::Oh,
             format: "f64".parse().unwrap(),
+            crossing: Crossing::Index,
         };
         let hits = walk_rays(walk, &pyramid, &[], &|_| ()).unwrap();
         let counts = Counts::of(&hits);

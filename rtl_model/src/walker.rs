@@ -14,7 +14,8 @@ use crate::float::{FloatFormat, Rounding};
 use crate::maps::Pyramid;
 use crate::ray::{self, Ray, RayError};
 use crate::readings::{E7F16, ExactReading, F64Reading, FloatReading, NumberFormat, enter};
-use crate::scene::{Method, Walk, WalkFormat};
+use crate::scene::{Crossing, Family, Walk, WalkFormat};
+use crate::units::search_policy::SearchPolicy;
 use crate::units::traverse::{self, Hit};
 
 /// Why a ray cannot be walked in a format.
@@ -60,6 +61,19 @@ pub enum AdmissionError {
     },
 }
 
+/// A walk that cannot be set up, whatever the ray.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum WalkerError {
+    /// The three do not go together.
+    #[error("method {} in format {} with crossing {}: {why}", walk.method, walk.format, walk.crossing)]
+    Unsupported {
+        /// What was asked for.
+        walk: Walk,
+        /// What is the matter, and the way out.
+        why: &'static str,
+    },
+}
+
 /// The readings that a walk can be computed in. Each is compiled on its own, so the choice costs
 /// one branch a ray.
 enum Reading {
@@ -73,21 +87,56 @@ enum Reading {
 /// allocates nothing but the rationals of the exact format; each thread has its own.
 pub struct Walker<'a> {
     pyramid: &'a Pyramid,
+    way: Way,
     reading: Reading,
+}
+
+/// How a walk is walked: what of the method the loop is made for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Way {
+    /// A node of the pyramid a step.
+    Nodes(SearchPolicy),
+}
+
+impl Way {
+    /// Method `oh`.
+    pub(crate) const OH: Way = Way::Nodes(SearchPolicy::OH);
+
+    fn of(walk: Walk) -> Result<Way, WalkerError> {
+        match (walk.method.family(), walk.crossing) {
+            (Family::Nodes(policy @ SearchPolicy::OH), Crossing::Index) => Ok(Way::Nodes(policy)),
+            _ => Err(WalkerError::Unsupported {
+                walk,
+                why: "this bench has method oh, by the index, so far",
+            }),
+        }
+    }
 }
 
 impl<'a> Walker<'a> {
     /// A walker of this method and format through the map under `pyramid`.
-    pub fn new(walk: Walk, pyramid: &'a Pyramid) -> Walker<'a> {
-        // The one method there is. Another one will not compile until it is chosen here.
-        let Method::Oh = walk.method;
+    ///
+    /// # Errors
+    /// If method, format and crossing do not go together.
+    pub fn new(walk: Walk, pyramid: &'a Pyramid) -> Result<Walker<'a>, WalkerError> {
+        let way = Way::of(walk)?;
         let reading = match walk.format {
             WalkFormat::Float(FloatFormat::E7F16) => Reading::E7f16(FloatReading(E7F16)),
             WalkFormat::Float(format) => Reading::Float(FloatReading(format)),
             WalkFormat::F64 => Reading::F64(F64Reading),
             WalkFormat::Exact => Reading::Exact(ExactReading::default()),
+            WalkFormat::Fixed(_) => {
+                return Err(WalkerError::Unsupported {
+                    walk,
+                    why: "no traversal computes in fixed point so far; take a float, such as e7f16",
+                });
+            }
         };
-        Walker { pyramid, reading }
+        Ok(Walker {
+            pyramid,
+            way,
+            reading,
+        })
     }
 
     /// The ray as it can be walked: checked by [`ray::check`], its entry reduced to [0, 1).
@@ -128,27 +177,49 @@ impl<'a> Walker<'a> {
         Ok(ray)
     }
 
+    /// The ray that is walked for an admitted one: its numbers as the format holds them. It is this
+    /// ray that a hit is judged by.
+    pub fn entered(&mut self, admitted: Ray<f64>) -> Ray<f64> {
+        match &mut self.reading {
+            Reading::E7f16(reading) => entered_in(reading, admitted),
+            Reading::Float(reading) => entered_in(reading, admitted),
+            Reading::F64(_) | Reading::Exact(_) => admitted,
+        }
+    }
+
     /// Walks a ray that [`Walker::admit`] has let pass. `t`, `u` and `v` of the hit are those of
     /// the format, which an `f64` holds exactly; of the exact format, the nearest `f64`.
     pub fn walk(&mut self, admitted: Ray<f64>) -> Hit<f64> {
         match &mut self.reading {
-            Reading::E7f16(reading) => walk_in(reading, self.pyramid, admitted),
-            Reading::Float(reading) => walk_in(reading, self.pyramid, admitted),
-            Reading::F64(reading) => walk_in(reading, self.pyramid, admitted),
-            Reading::Exact(reading) => walk_in(reading, self.pyramid, admitted),
+            Reading::E7f16(reading) => walk_in(reading, self.way, self.pyramid, admitted),
+            Reading::Float(reading) => walk_in(reading, self.way, self.pyramid, admitted),
+            Reading::F64(reading) => walk_in(reading, self.way, self.pyramid, admitted),
+            Reading::Exact(reading) => walk_in(reading, self.way, self.pyramid, admitted),
         }
     }
+}
+
+/// The ray as a reading holds it.
+fn entered_in<R: NumberFormat>(reading: &mut R, admitted: Ray<f64>) -> Ray<f64> {
+    let ray = enter(reading, admitted);
+    ray.map(|number| reading.to_f64(number))
 }
 
 /// Walks an admitted ray in a reading.
 pub(crate) fn walk_in<R: NumberFormat>(
     reading: &mut R,
+    way: Way,
     pyramid: &Pyramid,
     ray: Ray<f64>,
 ) -> Hit<f64> {
     reading.forget();
     let ray = enter(reading, ray);
-    let hit = traverse::walk(reading, pyramid, pyramid.memory(), ray);
+    let hit = match way {
+        Way::Nodes(policy) => {
+            debug_assert_eq!(policy, SearchPolicy::OH);
+            traverse::walk(reading, pyramid, pyramid.memory(), ray)
+        }
+    };
     Hit {
         i: hit.i,
         j: hit.j,
@@ -166,6 +237,7 @@ mod tests {
     use super::*;
     use crate::exact::exact_hit;
     use crate::maps::{Channel, HeightMap, MapSource};
+    use crate::scene::Method;
     use crate::units::traverse::Status;
     use proptest::prelude::*;
 
@@ -178,6 +250,7 @@ mod tests {
         Walk {
             method: Method::Oh,
             format: format.parse().unwrap(),
+            crossing: Crossing::Index,
         }
     }
 
@@ -185,10 +258,11 @@ mod tests {
     fn a_compiled_format_walks_as_the_one_chosen_at_run_time() {
         let map = map();
         let pyramid = Pyramid::new(&map);
-        let mut compiled = Walker::new(walk_of("e7f16"), &pyramid);
+        let mut compiled = Walker::new(walk_of("e7f16"), &pyramid).unwrap();
         assert!(matches!(compiled.reading, Reading::E7f16(_)));
         let mut chosen = Walker {
             pyramid: &pyramid,
+            way: compiled.way,
             reading: Reading::Float(FloatReading(FloatFormat::E7F16)),
         };
         for n in 0..200 {
@@ -214,8 +288,14 @@ mod tests {
             du: 1.0,
             dv: -7.0,
         };
-        assert!(Walker::new(walk_of("e7f16"), &pyramid).admit(ray).is_ok());
+        assert!(
+            Walker::new(walk_of("e7f16"), &pyramid)
+                .unwrap()
+                .admit(ray)
+                .is_ok()
+        );
         let message = Walker::new(walk_of("e2f12"), &pyramid)
+            .unwrap()
             .admit(ray)
             .unwrap_err()
             .to_string();
@@ -230,7 +310,7 @@ mod tests {
         ) {
             let map = map();
             let pyramid = Pyramid::new(&map);
-            let mut walker = Walker::new(walk_of("exact"), &pyramid);
+            let mut walker = Walker::new(walk_of("exact"), &pyramid).unwrap();
             let ray = walker.admit(Ray { u, v, du, dv }).unwrap();
             let hit = walker.walk(ray);
             let truth = exact_hit(&map, ray).unwrap();
@@ -248,7 +328,7 @@ mod tests {
             let map = map();
             let pyramid = Pyramid::new(&map);
             let format = WalkFormat::Float(FloatFormat::new(exponent, fraction));
-            let mut walker = Walker::new(Walk { method: Method::Oh, format }, &pyramid);
+            let mut walker = Walker::new(Walk { format, ..walk_of("f64") }, &pyramid).unwrap();
             if let Ok(ray) = walker.admit(Ray { u, v, du, dv }) {
                 let hit = walker.walk(ray);
                 prop_assert!(hit.i < 32 && hit.j < 32);

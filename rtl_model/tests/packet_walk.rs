@@ -8,7 +8,7 @@ use rtl_model::instruction_set::InstructionSet;
 use rtl_model::maps::{Channel, HeightMap, MapSource, Pyramid};
 use rtl_model::packet::PacketWalker;
 use rtl_model::ray::{REACH_TEXELS, Ray};
-use rtl_model::scene::{Method, Walk};
+use rtl_model::scene::{Crossing, Method, Walk};
 use rtl_model::units::traverse::{Hit, Status};
 use rtl_model::walker::Walker;
 use std::path::Path;
@@ -38,9 +38,10 @@ fn compare(map: &HeightMap, rays: &[Ray<f64>], name: &str) -> usize {
     let pyramid = Pyramid::new(map);
     let walk = Walk {
         method: Method::Oh,
+        crossing: Crossing::Index,
         format: "e7f16".parse().expect("a format"),
     };
-    let mut judge = Walker::new(walk, &pyramid);
+    let mut judge = Walker::new(walk, &pyramid).unwrap();
     let rays: Vec<Ray<f64>> = rays
         .iter()
         .map(|&ray| judge.admit(ray).expect("a ray within reach"))

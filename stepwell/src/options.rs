@@ -11,7 +11,9 @@ use rtl_model::calibration::CAMERAS;
 use rtl_model::camera::Camera;
 use rtl_model::fixed::{FixedFormat, FixedFormatError};
 use rtl_model::maps::{Channel, MapSource};
-use rtl_model::scene::{FrameSize, MAX_FRAME_SIDE, Method, Scene, SceneMap, WalkError, WalkFormat};
+use rtl_model::scene::{
+    Crossing, FrameSize, MAX_FRAME_SIDE, Method, Scene, SceneMap, WalkError, WalkFormat,
+};
 
 /// Which height map.
 #[derive(Args, Clone, Debug)]
@@ -76,9 +78,10 @@ impl NumberFormat {
     pub fn of_walk(self) -> anyhow::Result<WalkFormat> {
         match self {
             NumberFormat::Walk(format) => Ok(format),
+            NumberFormat::Fixed(format) if format.signed => Ok(WalkFormat::Fixed(Some(format))),
             NumberFormat::Fixed(format) => bail!(
-                "--format {format}: no traversal computes in fixed point; take a float eXfY, such \
-                 as e7f16, or name a fixed-point operator, such as --unit fixed_mul"
+                "--format {format}: of a traversal it is the format of slopes, which have a sign; \
+                 take qI.F, such as q8.20, or fixed"
             ),
         }
     }
@@ -109,9 +112,14 @@ pub struct Replacements {
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<NumberFormat>,
 
-    /// Replace the scene's traversal: oh
+    /// Replace the scene's traversal, such as oh, mixed-selective or block
     #[arg(long, value_name = "METHOD")]
     pub method: Option<Method>,
+
+    /// Replace the way borders are crossed: index, or offset:X with X texels beyond the border
+    /// (published, for comparison)
+    #[arg(long, value_name = "CROSSING")]
+    pub crossing: Option<Crossing>,
 
     /// Replace the scene's camera by a calibrated one
     #[arg(long, value_name = "CAMERA", value_parser = camera_parser())]
@@ -134,6 +142,9 @@ impl Replacements {
         }
         if let Some(method) = self.method {
             scene.walk.method = method;
+        }
+        if let Some(crossing) = self.crossing {
+            scene.walk.crossing = crossing;
         }
         if let Some(camera) = self.camera {
             scene.camera = camera;

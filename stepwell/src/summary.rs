@@ -163,6 +163,7 @@ mod tests {
         let walk = Walk {
             method: "oh".parse().unwrap(),
             format: "e4f3".parse().unwrap(),
+            crossing: rtl_model::scene::Crossing::Index,
         };
         let map = "procedural:flat:4:0".parse().unwrap();
         WalkSummary::new("test-1", &map, walk, &counts, Duration::from_millis(500))

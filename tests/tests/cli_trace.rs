@@ -9,7 +9,7 @@ use rtl_model::float::{FloatFormat, Rounding};
 use rtl_model::frame::walk_rays;
 use rtl_model::maps::{Channel, HeightMap, MapSource, Pyramid};
 use rtl_model::ray::{self, Ray};
-use rtl_model::scene::{Method, Walk, WalkFormat};
+use rtl_model::scene::{Crossing, Method, Walk, WalkFormat};
 use rtl_model::units::traverse::{Hit, Status};
 use serde_json::Value;
 use tests::command_line::{contents, stepwell};
@@ -147,6 +147,7 @@ fn hits_read_back_to_the_bits_of_the_model() {
     for format in ["e7f16", "e5f10", "f64", "exact"] {
         let walk = Walk {
             method: Method::Oh,
+            crossing: Crossing::Index,
             format: format.parse().unwrap(),
         };
         let rays = if format == "exact" {

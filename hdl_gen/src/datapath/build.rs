@@ -3,6 +3,7 @@
 use super::record::Recording;
 use super::schedule::{OperatorLatencies, Schedule};
 use super::signal::{Kind, RecordedOperation, SignalId};
+use super::word_logic;
 use crate::netlist::{Builder, Meaning, Module, Wire};
 use crate::operators::{FloatOperator, OperatorConfiguration};
 use crate::pipeline::ENABLE;
@@ -336,7 +337,7 @@ impl Build<'_> {
         use RecordedOperation::*;
         let operation = self.recording.signal(id).operation;
         let width = self.recording.width(id);
-        let fraction_bits = self.recording.format.fraction_bits;
+        let format = self.recording.format;
         let any = Rounding::NearestEven;
         match operation {
             Input { .. } | Zero | Constant(_) => unreachable!("made where it is used"),
@@ -361,6 +362,14 @@ impl Build<'_> {
                 };
                 self.binary(id, stage, kind, rounding, value, exponent)
             }
+            Scale(a, exponent) => {
+                let a = self.wire(a, stage);
+                word_logic::scale(&mut self.builder, a, exponent, format)
+            }
+            Floor(a, bits) => {
+                let a = self.wire(a, stage);
+                self.instance(id, FloatOperator::ToInteger { bits }, Rounding::Down, &[a])
+            }
             DepthFromHeight(height, bits) => {
                 let height = self.wire(height, stage);
                 let height = self.builder.slice(height, bits - 1, 0);
@@ -380,13 +389,11 @@ impl Build<'_> {
             }
             IsNegative(a) => {
                 let a = self.wire(a, stage);
-                self.is_negative(a, fraction_bits)
+                word_logic::is_negative(&mut self.builder, a, format)
             }
             IsZero(a) => {
                 let a = self.wire(a, stage);
-                let exponent = self.exponent(a, fraction_bits);
-                let normal = self.builder.any_bit(exponent);
-                self.builder.not(normal)
+                word_logic::is_zero(&mut self.builder, a, format)
             }
             Select(condition, one, zero) => {
                 let condition = self.wire(condition, stage);
@@ -408,6 +415,23 @@ impl Build<'_> {
                 let (a, amount) = (self.integer(a, stage, width), self.wire(amount, stage));
                 let amount = self.low_bits(amount, amount_bits);
                 self.builder.shift_left(a, amount)
+            }
+            IntShiftRight(a, amount, amount_bits) => {
+                let (a, amount) = (self.wire(a, stage), self.wire(amount, stage));
+                let amount = self.low_bits(amount, amount_bits);
+                word_logic::shift_right(&mut self.builder, a, amount)
+            }
+            IntMul(a, b) => {
+                let (a, b) = (self.wire(a, stage), self.wire(b, stage));
+                word_logic::product(&mut self.builder, a, b)
+            }
+            IntBitLength(a) => {
+                let a = self.wire(a, stage);
+                word_logic::bit_length(&mut self.builder, a, width)
+            }
+            IntXor(a, b) => {
+                let (a, b) = (self.integer(a, stage, width), self.integer(b, stage, width));
+                self.builder.xor(a, b)
             }
             IntWrap(a, _) => {
                 let a = self.wire(a, stage);
@@ -470,25 +494,5 @@ impl Build<'_> {
     fn low_bits(&mut self, a: Wire, bits: u32) -> Wire {
         let a = self.builder.sign_extend(a, bits.max(self.builder.width(a)));
         self.builder.slice(a, bits - 1, 0)
-    }
-
-    fn exponent(&mut self, a: Wire, fraction_bits: u32) -> Wire {
-        let width = self.builder.width(a);
-        self.builder.slice(a, width - 2, fraction_bits)
-    }
-
-    /// Sign set, neither a zero (a subnormal reads as one) nor NaN.
-    fn is_negative(&mut self, a: Wire, fraction_bits: u32) -> Wire {
-        let width = self.builder.width(a);
-        let sign = self.builder.bit(a, width - 1);
-        let exponent = self.exponent(a, fraction_bits);
-        let normal = self.builder.any_bit(exponent);
-        let all_ones = self.builder.all_bits(exponent);
-        let fraction = self.builder.slice(a, fraction_bits - 1, 0);
-        let fraction = self.builder.any_bit(fraction);
-        let nan = self.builder.and(all_ones, fraction);
-        let ordered = self.builder.not(nan);
-        let negative = self.builder.and(sign, normal);
-        self.builder.and(negative, ordered)
     }
 }

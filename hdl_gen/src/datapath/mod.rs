@@ -5,6 +5,7 @@ mod build;
 mod record;
 mod schedule;
 mod signal;
+mod word_logic;
 
 pub use build::{BuiltDatapath, PipelineRegister, Source, build};
 pub use record::{Recorder, Recording};

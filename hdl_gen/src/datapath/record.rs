@@ -238,6 +238,12 @@ impl Arith for Recorder {
             rounding, value.0, exponent.0,
         ))
     }
+    fn scale(&mut self, a: NumSignal, exponent: i32) -> NumSignal {
+        self.num(RecordedOperation::Scale(a.0, exponent))
+    }
+    fn floor(&mut self, a: NumSignal, bits: u32) -> IntSignal {
+        self.int(RecordedOperation::Floor(a.0, bits), bits)
+    }
     fn depth_from_height(&mut self, height: IntSignal, bits: u32) -> NumSignal {
         self.num(RecordedOperation::DepthFromHeight(height.0, bits))
     }
@@ -257,6 +263,24 @@ impl Arith for Recorder {
             RecordedOperation::IntShiftLeft(a.0, amount.0, amount_bits),
             bits,
         )
+    }
+    fn int_shift_right(&mut self, a: IntSignal, amount: IntSignal, amount_bits: u32) -> IntSignal {
+        self.int(
+            RecordedOperation::IntShiftRight(a.0, amount.0, amount_bits),
+            self.bits(a),
+        )
+    }
+    fn int_mul(&mut self, a: IntSignal, b: IntSignal) -> IntSignal {
+        let bits = self.bits(a) + self.bits(b);
+        self.int(RecordedOperation::IntMul(a.0, b.0), bits)
+    }
+    fn int_bit_length(&mut self, a: IntSignal) -> IntSignal {
+        // The sign is none of the bits counted.
+        let most = i64::from(self.bits(a) - 1);
+        self.int(RecordedOperation::IntBitLength(a.0), signed_bits(most))
+    }
+    fn int_xor(&mut self, a: IntSignal, b: IntSignal) -> IntSignal {
+        self.int(RecordedOperation::IntXor(a.0, b.0), self.wider(a, b))
     }
     fn int_wrap(&mut self, a: IntSignal, bits: u32) -> IntSignal {
         let kept = bits.min(self.bits(a));

@@ -66,10 +66,10 @@ impl OperatorLatencies {
         use RecordedOperation::*;
         match operation {
             Add(..) | Sub(..) => self.adder,
-            Mul(..) => self.multiplier,
+            Mul(..) | IntMul(..) => self.multiplier,
             Div(..) => self.divider,
             LessThan(..) | LessEqual(..) => self.comparator,
-            FromInteger(..) | DepthFromHeight(..) => self.conversion,
+            FromInteger(..) | Floor(..) | DepthFromHeight(..) => self.conversion,
             _ => 0,
         }
     }

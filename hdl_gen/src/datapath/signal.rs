@@ -90,6 +90,10 @@ pub enum RecordedOperation {
     Select(SignalId, SignalId, SignalId),
     /// `number_from_integer`: value, exponent.
     FromInteger(Rounding, SignalId, SignalId),
+    /// `scale`: number, exponent.
+    Scale(SignalId, i32),
+    /// `floor`: number, bits of the integer.
+    Floor(SignalId, u32),
     /// `depth_from_height`: height, its bits.
     DepthFromHeight(SignalId, u32),
     /// `int_constant` and `bit_constant`.
@@ -100,6 +104,14 @@ pub enum RecordedOperation {
     IntSub(SignalId, SignalId),
     /// `int_shift_left`: value, amount, bits of the amount.
     IntShiftLeft(SignalId, SignalId, u32),
+    /// `int_shift_right`: value, amount, bits of the amount.
+    IntShiftRight(SignalId, SignalId, u32),
+    /// `int_mul`.
+    IntMul(SignalId, SignalId),
+    /// `int_bit_length`.
+    IntBitLength(SignalId),
+    /// `int_xor`.
+    IntXor(SignalId, SignalId),
     /// `int_wrap`.
     IntWrap(SignalId, u32),
     /// `int_low_bits`.
@@ -131,7 +143,10 @@ impl RecordedOperation {
             | Magnitude(a)
             | IsNegative(a)
             | IsZero(a)
+            | Scale(a, _)
+            | Floor(a, _)
             | DepthFromHeight(a, _)
+            | IntBitLength(a)
             | IntWrap(a, _)
             | IntLowBits(a, _)
             | Not(a)
@@ -147,6 +162,9 @@ impl RecordedOperation {
             | IntAdd(a, b)
             | IntSub(a, b)
             | IntShiftLeft(a, b, _)
+            | IntShiftRight(a, b, _)
+            | IntMul(a, b)
+            | IntXor(a, b)
             | And(a, b)
             | Or(a, b)
             | IntComplementIf(a, b)

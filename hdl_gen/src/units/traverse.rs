@@ -5,7 +5,8 @@ use super::traverse_datapaths::{build_setup, build_step};
 use crate::datapath::{BuiltDatapath, OperatorLatencies, Source};
 use crate::netlist::{Builder, Meaning, Module, Wire};
 use rtl_model::float::FloatFormat;
-use rtl_model::machine::{ID_BITS, RegisterKind, STEP_INPUTS};
+use rtl_model::machine::{ID_BITS, STEP_INPUTS};
+use rtl_model::units::step::RegisterKind;
 use rtl_model::units::traverse_step::TraverseShape;
 use std::sync::Arc;
 

@@ -2,7 +2,8 @@
 
 use super::traverse::UnitConfiguration;
 use crate::datapath::{BuiltDatapath, IntSignal, Recorder, build, schedule};
-use rtl_model::machine::{RegisterKind, STEP_INPUTS};
+use rtl_model::machine::STEP_INPUTS;
+use rtl_model::units::step::RegisterKind;
 use rtl_model::units::traverse_setup::{RayRegisters, traverse_setup};
 use rtl_model::units::traverse_step::{WalkRegisters, node_address, traverse_step};
 

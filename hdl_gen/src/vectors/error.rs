@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use rtl_model::camera::PixelRayError;
 use rtl_model::maps::MapError;
-use rtl_model::walker::AdmissionError;
+use rtl_model::walker::{AdmissionError, WalkerError};
 use thiserror::Error;
 
 /// Why vectors could not be made, written or read.
@@ -17,6 +17,9 @@ pub enum VectorError {
     /// A pixel of the scene has a ray that no unit can walk.
     #[error(transparent)]
     Ray(#[from] PixelRayError),
+    /// The scene's method, format and crossing do not go together.
+    #[error(transparent)]
+    Walk(#[from] WalkerError),
     /// A ray that the format cannot hold.
     #[error("pixel ({x}, {y}): {problem}")]
     Admission {

@@ -41,7 +41,7 @@ pub fn scene_rays(
             ..scene.walk
         },
         pyramid,
-    );
+    )?;
     let mut reading = FloatReading(format);
     let mut rays = Vec::new();
     let pixels = scene.view().rays(pyramid.size())?;

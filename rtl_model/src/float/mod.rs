@@ -41,6 +41,7 @@ mod policy;
 mod product;
 mod root;
 mod rounder;
+mod scale;
 mod shorthand;
 pub mod slices;
 mod sum;

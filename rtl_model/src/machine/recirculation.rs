@@ -7,6 +7,7 @@
 use crate::maps::Pyramid;
 use crate::ray::Ray;
 use crate::readings::{Traced, Word};
+use crate::units::step::RegisterKind;
 use crate::units::traverse::{Hit, Status, shape_for};
 use crate::units::traverse_setup::{RayRegisters, traverse_setup};
 use crate::units::traverse_step::{
@@ -16,17 +17,6 @@ use crate::units::traverse_step::{
 
 /// Bits of the id that travels with a ray: the pixels of a frame of up to 1024 x 1024.
 pub const ID_BITS: u32 = 20;
-
-/// What kind of word a register is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RegisterKind {
-    /// A number in the unit's format.
-    Number,
-    /// A two's complement integer of this many bits.
-    Integer(u32),
-    /// One bit.
-    Bit,
-}
 
 /// The registers in front of the pipeline's first stage, in the order of [`StageEntry::inputs`]:
 /// first what a ray keeps, then what its walk changes. The netlist is built from this list.

@@ -59,7 +59,7 @@ use crate::maps::Pyramid;
 use crate::ray::Ray;
 use crate::readings::{E7F16, FloatReading};
 use crate::units::traverse::{Hit, shape_for};
-use crate::walker::walk_in;
+use crate::walker::{Way, walk_in};
 
 /// Walks lists of rays through one map, in e7f16, by method `oh`. Threads can share it.
 #[derive(Clone, Debug)]
@@ -105,7 +105,7 @@ impl<'a> PacketWalker<'a> {
         });
         let mut reading = FloatReading(E7F16);
         for ray in left_over {
-            hits[ray] = walk_in(&mut reading, self.pyramid, admitted[ray]);
+            hits[ray] = walk_in(&mut reading, Way::OH, self.pyramid, admitted[ray]);
         }
     }
 }
@@ -147,7 +147,7 @@ mod tests {
         walker.walk(&rays, &mut hits);
         let mut judge = FloatReading(E7F16);
         let is_different = |(ray, hit): (&Ray<f64>, &Hit<f64>)| {
-            let judged = walk_in(&mut judge, &pyramid, *ray);
+            let judged = walk_in(&mut judge, Way::OH, &pyramid, *ray);
             format!("{judged:?}") != format!("{hit:?}")
         };
         rays.iter()

@@ -124,6 +124,24 @@ impl Arith for ExactReading {
             BigRational::from(value * power)
         })
     }
+    fn scale(&mut self, a: ExactNum, exponent: i32) -> ExactNum {
+        let power = self.number_from_integer(Rounding::NearestEven, 1, exponent.into());
+        match self.value(a) {
+            None => a,
+            Some(_) => self.mul(Rounding::NearestEven, a, power),
+        }
+    }
+    fn floor(&mut self, a: ExactNum, bits: u32) -> i64 {
+        let most = (1_i64 << (bits - 1)) - 1;
+        let floor = self.value(a).map(|value| value.floor().to_integer());
+        match floor {
+            None => most,
+            Some(floor) => floor
+                .clamp((-1 - most).into(), most.into())
+                .to_i64()
+                .expect("within the range"),
+        }
+    }
     fn depth_from_height(&mut self, height: i64, bits: u32) -> ExactNum {
         let full = (1_i64 << bits) - 1;
         self.number(BigRational::new((full - height).into(), full.into()))

@@ -3,7 +3,7 @@
 use super::NumberFormat;
 use super::integer::plain_integers_and_bits;
 use crate::arith::Arith;
-use crate::float::{FloatFormat, Rounding};
+use crate::float::{FloatFormat, IntegerFormat, Policy, Rounding};
 
 /// Says which float format to compute in: a type that means one format, so that its arithmetic is
 /// compiled for it, or a [`FloatFormat`] chosen at run time.
@@ -109,6 +109,16 @@ impl<H: HasFormat> Arith for FloatReading<H> {
     #[inline(always)]
     fn number_from_integer(&mut self, rounding: Rounding, value: i64, exponent: i64) -> u64 {
         self.format().from_integer(rounding, value, exponent)
+    }
+    #[inline(always)]
+    fn scale(&mut self, a: u64, exponent: i32) -> u64 {
+        self.format().scale(a, exponent)
+    }
+    #[inline(always)]
+    fn floor(&mut self, a: u64, bits: u32) -> i64 {
+        let arithmetic = self.format().arithmetic(Policy::Flush, Rounding::Down);
+        let floor = arithmetic.to_integer(IntegerFormat::signed(bits), a).bits;
+        (floor << (64 - bits)).cast_signed() >> (64 - bits)
     }
     #[inline(always)]
     fn depth_from_height(&mut self, height: i64, bits: u32) -> u64 {

@@ -2,8 +2,8 @@
 
 /// Implements the integer and bit operators of [`crate::arith::Arith`] with `i64` and `bool`.
 ///
-/// Integers of a datapath are at most 40 bits wide, so `i64` holds every exact result; overflow
-/// checks of test builds would show the contrary.
+/// Integers of a datapath are at most 64 bits wide (the recorder of netlists sees to it), so `i64`
+/// holds every exact result; overflow checks of test builds would show the contrary.
 macro_rules! plain_integers_and_bits {
     () => {
         type Int = i64;
@@ -25,6 +25,24 @@ macro_rules! plain_integers_and_bits {
         fn int_shift_left(&mut self, a: i64, amount: i64, amount_bits: u32) -> i64 {
             debug_assert!((0..1 << amount_bits).contains(&amount));
             a << (amount & ((1 << amount_bits) - 1))
+        }
+        #[inline(always)]
+        fn int_shift_right(&mut self, a: i64, amount: i64, amount_bits: u32) -> i64 {
+            debug_assert!((0..1 << amount_bits).contains(&amount));
+            a >> (amount & ((1 << amount_bits) - 1)).min(63)
+        }
+        #[inline(always)]
+        fn int_mul(&mut self, a: i64, b: i64) -> i64 {
+            a * b
+        }
+        #[inline(always)]
+        fn int_bit_length(&mut self, a: i64) -> i64 {
+            debug_assert!(a >= 0);
+            i64::from(64 - a.leading_zeros())
+        }
+        #[inline(always)]
+        fn int_xor(&mut self, a: i64, b: i64) -> i64 {
+            a ^ b
         }
         #[inline(always)]
         fn int_wrap(&mut self, a: i64, bits: u32) -> i64 {

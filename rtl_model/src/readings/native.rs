@@ -75,6 +75,20 @@ impl Arith for F64Reading {
         value as f64 * f64::from_bits(((1023 + exponent) as u64) << 52)
     }
     #[inline(always)]
+    fn scale(&mut self, a: f64, exponent: i32) -> f64 {
+        self.mul(
+            Rounding::NearestEven,
+            a,
+            f64::from_bits(((1023 + exponent) as u64) << 52),
+        )
+    }
+    #[inline(always)]
+    fn floor(&mut self, a: f64, bits: u32) -> i64 {
+        // The conversion saturates, and takes NaN for 0.
+        let most = (1_i64 << (bits - 1)) - 1;
+        (a.floor() as i64).clamp(-1 - most, most)
+    }
+    #[inline(always)]
     fn depth_from_height(&mut self, height: i64, bits: u32) -> f64 {
         let full = (1_i64 << bits) - 1;
         (full - height) as f64 / full as f64

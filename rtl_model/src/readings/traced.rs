@@ -75,13 +75,19 @@ impl<R: Word> Arith for Traced<R> {
         magnitude(a: R::Num) -> R::Num;
         select(condition: bool, when_one: R::Num, when_zero: R::Num) -> R::Num;
         number_from_integer(rounding: Rounding, value: i64, exponent: i64) -> R::Num;
+        scale(a: R::Num, exponent: i32) -> R::Num;
         depth_from_height(height: i64, bits: u32) -> R::Num;
     }
     keep! { int:
+        floor(a: R::Num, bits: u32) -> i64;
         int_constant(value: i64) -> i64;
         int_add(a: i64, b: i64) -> i64;
         int_sub(a: i64, b: i64) -> i64;
         int_shift_left(a: i64, amount: i64, amount_bits: u32) -> i64;
+        int_shift_right(a: i64, amount: i64, amount_bits: u32) -> i64;
+        int_mul(a: i64, b: i64) -> i64;
+        int_bit_length(a: i64) -> i64;
+        int_xor(a: i64, b: i64) -> i64;
         int_wrap(a: i64, bits: u32) -> i64;
         int_low_bits(a: i64, bits: u32) -> i64;
         int_and(a: i64, b: i64) -> i64;

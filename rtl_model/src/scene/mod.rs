@@ -26,7 +26,8 @@
 //!     height = 240
 //!     [walk]
 //!     method = "oh"                        # the traversal
-//!     format = "e7f16"                     # eXfY | f64 | exact
+//!     format = "e7f16"                     # eXfY | f64 | exact | fixed | qI.F
+//!     crossing = "index"                   # the default | offset:X, for comparison
 //!     [effects]                            # none so far; may be left out
 //!     "#,
 //!     std::path::Path::new("example.toml"),
@@ -38,6 +39,7 @@
 //! A key that is not known is an error: a scene never means less than it says.
 
 mod file;
+mod method;
 mod walk;
 
 use std::fs;
@@ -48,7 +50,8 @@ use thiserror::Error;
 
 use crate::camera::{Camera, Surface, View};
 use crate::maps::{Channel, HeightMap, MapError, MapSource};
-pub use walk::{Method, Walk, WalkError, WalkFormat};
+pub use method::{Family, LinearSearch, Method};
+pub use walk::{BorderOffset, Crossing, Walk, WalkError, WalkFormat};
 
 /// The most pixels a frame may have on a side.
 pub const MAX_FRAME_SIDE: u32 = 8192;

@@ -6,9 +6,11 @@ use std::str::FromStr;
 use serde::Deserialize;
 use thiserror::Error;
 
+use super::Method;
+use crate::fixed::{FixedFormat, FixedFormatError};
 use crate::float::{FloatFormat, UnknownFloatFormat};
 
-/// A method and a number format.
+/// A method, a number format, and how borders are crossed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Walk {
@@ -16,24 +18,72 @@ pub struct Walk {
     pub method: Method,
     /// The numbers it computes with.
     pub format: WalkFormat,
+    /// How it gets from a node to the next.
+    #[serde(default)]
+    pub crossing: Crossing,
 }
 
-/// The traversals, by the names that files and the command line use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize)]
+/// How a walk gets from a node into its neighbour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
 #[serde(try_from = "String")]
-pub enum Method {
-    /// From the root of the pyramid downwards, never up again (Oh, Ki and Lee 2006).
-    Oh,
+pub enum Crossing {
+    /// The node's index is carried along and counted on: no position is rounded into a node.
+    #[default]
+    Index,
+    /// As published: the position is moved so far beyond the border, and the node is found anew
+    /// from the rounded position. For comparison; it misses, and can walk for ever.
+    Offset(BorderOffset),
 }
 
-impl Method {
-    /// All of them, in the order of the documentation.
-    pub const ALL: [Method; 1] = [Method::Oh];
+/// A distance beyond a border, along the ray, in texels: above 0, at most 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct BorderOffset(u64);
 
-    /// The name in files and on the command line.
-    pub const fn name(self) -> &'static str {
+impl BorderOffset {
+    /// A distance in texels; none where it is not above 0 and at most 1.
+    pub fn new(texels: f64) -> Option<BorderOffset> {
+        (texels > 0.0 && texels <= 1.0).then(|| BorderOffset(texels.to_bits()))
+    }
+
+    /// The distance in texels.
+    pub fn texels(self) -> f64 {
+        f64::from_bits(self.0)
+    }
+}
+
+impl FromStr for Crossing {
+    type Err = WalkError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        if text == "index" {
+            return Ok(Crossing::Index);
+        }
+        let texels = text.strip_prefix("offset:").map(str::parse);
+        let Some(Ok(texels)) = texels else {
+            return Err(WalkError::UnknownCrossing {
+                text: text.to_owned(),
+            });
+        };
+        let offset = BorderOffset::new(texels).ok_or_else(|| WalkError::UnknownCrossing {
+            text: text.to_owned(),
+        })?;
+        Ok(Crossing::Offset(offset))
+    }
+}
+
+impl TryFrom<String> for Crossing {
+    type Error = WalkError;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        text.parse()
+    }
+}
+
+impl fmt::Display for Crossing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Method::Oh => "oh",
+            Crossing::Index => f.write_str("index"),
+            Crossing::Offset(offset) => write!(f, "offset:{}", offset.texels()),
         }
     }
 }
@@ -48,6 +98,10 @@ pub enum WalkFormat {
     F64,
     /// Rational numbers without rounding.
     Exact,
+    /// Fixed point, in which every decision is exact: texels per height step in this signed
+    /// format, entry coordinates with as many fewer fraction bits as a height has bits. `None`:
+    /// the format is chosen from the rays.
+    Fixed(Option<FixedFormat>),
 }
 
 /// A method or a format that does not exist.
@@ -55,17 +109,45 @@ pub enum WalkFormat {
 pub enum WalkError {
     /// Not the name of a method.
     #[error(
-        "unknown method `{text}`: there is {}",
-        Method::ALL.map(Method::name).join(", ")
+        "unknown method `{text}`: there is {}; multi-level-down:N goes N levels down at once, 1 to {}",
+        Method::list(),
+        Method::MOST_LEVELS_DOWN
     )]
     UnknownMethod {
         /// The text found.
         text: String,
     },
+    /// A number of levels to go down at once that no walk has.
+    #[error(
+        "method `{text}`: a walk goes 1 to {} levels down at once",
+        Method::MOST_LEVELS_DOWN
+    )]
+    LevelsDown {
+        /// The text found.
+        text: String,
+    },
+    /// Not a way to cross a border.
+    #[error(
+        "unknown crossing `{text}`: it is index, or offset:X with X texels beyond the border, above \
+         0 and at most 1, such as offset:0.015625"
+    )]
+    UnknownCrossing {
+        /// The text found.
+        text: String,
+    },
+    /// Not a format of fixed point.
+    #[error(transparent)]
+    FixedFormat(#[from] FixedFormatError),
+    /// Fixed point without a sign.
+    #[error("format {format}: a slope has a sign; take qI.F, such as q8.20, or fixed")]
+    Unsigned {
+        /// The format found.
+        format: FixedFormat,
+    },
     /// Not the name of a format.
     #[error(
         "unknown format `{text}`: it is eXfY with X exponent and Y fraction bits, such as e7f16, or \
-         f64, or exact"
+         f64, or exact, or fixed, or qI.F with I integer and F fraction bits, such as q8.20"
     )]
     UnknownFormat {
         /// The text found.
@@ -76,19 +158,6 @@ pub enum WalkError {
     WidthOutOfRange(UnknownFloatFormat),
 }
 
-impl FromStr for Method {
-    type Err = WalkError;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        Method::ALL
-            .into_iter()
-            .find(|method| method.name() == text)
-            .ok_or_else(|| WalkError::UnknownMethod {
-                text: text.to_owned(),
-            })
-    }
-}
-
 impl FromStr for WalkFormat {
     type Err = WalkError;
 
@@ -96,7 +165,15 @@ impl FromStr for WalkFormat {
         match text {
             "f64" => return Ok(WalkFormat::F64),
             "exact" => return Ok(WalkFormat::Exact),
+            "fixed" => return Ok(WalkFormat::Fixed(None)),
             _ => {}
+        }
+        if text.starts_with('q') || text.starts_with("uq") {
+            let format: FixedFormat = text.parse()?;
+            if !format.signed {
+                return Err(WalkError::Unsigned { format });
+            }
+            return Ok(WalkFormat::Fixed(Some(format)));
         }
         text.parse()
             .map(WalkFormat::Float)
@@ -104,14 +181,6 @@ impl FromStr for WalkFormat {
                 UnknownFloatFormat::Name { text } => WalkError::UnknownFormat { text },
                 width @ UnknownFloatFormat::Width { .. } => WalkError::WidthOutOfRange(width),
             })
-    }
-}
-
-impl TryFrom<String> for Method {
-    type Error = WalkError;
-
-    fn try_from(text: String) -> Result<Self, Self::Error> {
-        text.parse()
     }
 }
 
@@ -123,18 +192,14 @@ impl TryFrom<String> for WalkFormat {
     }
 }
 
-impl fmt::Display for Method {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
 impl fmt::Display for WalkFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             WalkFormat::Float(format) => write!(f, "{format}"),
             WalkFormat::F64 => f.write_str("f64"),
             WalkFormat::Exact => f.write_str("exact"),
+            WalkFormat::Fixed(None) => f.write_str("fixed"),
+            WalkFormat::Fixed(Some(format)) => write!(f, "{format}"),
         }
     }
 }
@@ -151,6 +216,8 @@ mod tests {
             WalkFormat::Float(FloatFormat::new(11, 52)),
             WalkFormat::F64,
             WalkFormat::Exact,
+            WalkFormat::Fixed(None),
+            "q8.20".parse().unwrap(),
         ] {
             assert_eq!(format.to_string().parse(), Ok(format));
         }
@@ -177,9 +244,13 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_method_comes_with_the_known_ones() {
-        assert_eq!("oh".parse(), Ok(Method::Oh));
-        let message = "tevs".parse::<Method>().unwrap_err().to_string();
-        assert_eq!(message, "unknown method `tevs`: there is oh");
+    fn crossings_read_back_from_their_names() {
+        for text in ["index", "offset:0.5", "offset:0.001"] {
+            assert_eq!(text.parse::<Crossing>().unwrap().to_string(), text);
+        }
+        for text in ["offset", "offset:0", "offset:2", "offset:NaN", "carried"] {
+            let message = text.parse::<Crossing>().unwrap_err().to_string();
+            assert!(message.contains("such as offset:0.015625"), "{message}");
+        }
     }
 }

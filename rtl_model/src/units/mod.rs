@@ -1,5 +1,7 @@
 //! The hardware's units, each datapath written once over [`crate::arith::Arith`].
 
+pub mod search_policy;
+pub mod step;
 pub mod traverse;
 mod traverse_axis;
 pub mod traverse_setup;

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use rtl_model::frame::check_scene;
 use rtl_model::maps::Pyramid;
-use rtl_model::scene::{Effects, Method, Scene, WalkFormat};
+use rtl_model::scene::{Effects, Scene, WalkFormat};
 use rtl_model::units::traverse::shape_for;
 use rtl_model::units::traverse_step::{COUNTER_BITS, INDEX_BITS};
 
@@ -78,11 +78,11 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
 
 impl Plan {
     fn of(scene: &Scene, pyramid: &Pyramid) -> anyhow::Result<Plan> {
-        // Taken apart, so that neither an effect nor a method can be added without a line here.
-        let (Effects { .. }, Method::Oh) = (scene.effects, scene.walk.method);
+        // Taken apart, so that no effect can be added without a line here.
+        let Effects { .. } = scene.effects;
         let number_bits = match scene.walk.format {
             WalkFormat::Float(format) => Some(format.width()),
-            WalkFormat::F64 | WalkFormat::Exact => None,
+            WalkFormat::F64 | WalkFormat::Exact | WalkFormat::Fixed(_) => None,
         };
         Ok(Plan {
             schema: "stepwell-plan-1",

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use rtl_model::frame::{Counts, walk_rays};
 use rtl_model::maps::Pyramid;
-use rtl_model::scene::{Method, Walk, WalkFormat};
+use rtl_model::scene::{Crossing, Method, Walk, WalkFormat};
 use rtl_model::walker::Walker;
 
 use super::Outcome;
@@ -55,9 +55,14 @@ pub struct Arguments {
     #[arg(long, value_name = "FORMAT", default_value = "e7f16")]
     format: WalkFormat,
 
-    /// Traversal: oh
+    /// Traversal, such as oh, mixed-selective or block
     #[arg(long, value_name = "METHOD", default_value = "oh")]
     method: Method,
+
+    /// How borders are crossed: index, or offset:X with X texels beyond the border (published, for
+    /// comparison)
+    #[arg(long, value_name = "CROSSING", default_value = "index")]
+    crossing: Crossing,
 
     #[command(flatten)]
     threads: ThreadOptions,
@@ -87,10 +92,11 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     let walk = Walk {
         method: arguments.method,
         format: arguments.format,
+        crossing: arguments.crossing,
     };
     let map = source.source.load(source.channel, source.white_is_low)?;
     let pyramid = Pyramid::new(&map);
-    let rays = arguments.rays.read(&Walker::new(walk, &pyramid))?;
+    let rays = arguments.rays.read(&Walker::new(walk, &pyramid)?)?;
     let file = output.as_deref().map(OutputFile::prepare).transpose()?;
 
     let bar = progress::bar(rays.len() as u64, "rays");

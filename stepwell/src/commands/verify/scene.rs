@@ -21,7 +21,7 @@ use rtl_model::machine::{ID_BITS, StallPattern};
 use rtl_model::maps::Pyramid;
 use rtl_model::ray::Ray;
 use rtl_model::readings::{E7F16, FloatReading, enter};
-use rtl_model::scene::{Method, Scene, Walk, WalkFormat};
+use rtl_model::scene::{Crossing, Method, Scene, Walk, WalkFormat};
 use rtl_model::units::traverse::shape_for;
 use rtl_model::walker::Walker;
 
@@ -64,6 +64,7 @@ pub fn verify_random(arguments: &Arguments) -> anyhow::Result<Outcome> {
             None => WalkFormat::Float(FloatFormat::E7F16),
             Some(format) => format.of_walk()?,
         },
+        crossing: Crossing::Index,
     };
     let count = arguments.vectors.unwrap_or(RANDOM_RAYS);
     let rays = random_rays(hardware_format(walk)?, count, arguments.seed);
@@ -90,7 +91,7 @@ struct Subject {
 /// The frame's rays as bits of the scene's format.
 fn frame_rays(scene: &Scene, pyramid: &Pyramid) -> anyhow::Result<Vec<Ray<u64>>> {
     let format = hardware_format(scene.walk)?;
-    let walker = Walker::new(scene.walk, pyramid);
+    let walker = Walker::new(scene.walk, pyramid)?;
     let mut reading = FloatReading(format);
     let rays = scene.view().rays(pyramid.size())?;
     rays.into_iter()

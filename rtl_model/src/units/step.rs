@@ -1,0 +1,108 @@
+//! A step of a traversal as hardware sees it: registers in, an address out, heights in, registers
+//! out.
+//!
+//! Each family of traversals has a datapath function of its own, with registers that are typed
+//! and named. A [`Step`] puts them in a row, so that whoever records a netlist, writes vectors or
+//! closes a pipeline to a loop need not know which family it is.
+
+use crate::arith::Arith;
+
+/// What kind of word a register is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RegisterKind {
+    /// A number in the unit's format.
+    Number,
+    /// A two's complement integer of this many bits.
+    Integer(u32),
+    /// One bit.
+    Bit,
+}
+
+/// A register, or a port: its name in Rust, Verilog, vectors and waveforms, and its kind.
+pub type Register = (&'static str, RegisterKind);
+
+/// A signal of any kind.
+#[derive(Debug)]
+pub enum Signal<A: Arith> {
+    /// A number.
+    Number(A::Num),
+    /// An integer.
+    Integer(A::Int),
+    /// A bit.
+    Bit(A::Bit),
+}
+
+impl<A: Arith> Clone for Signal<A> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<A: Arith> Copy for Signal<A> {}
+
+impl<A: Arith> Signal<A> {
+    /// The number.
+    ///
+    /// # Panics
+    /// If the signal is none: a [`Step`] was handed other registers than it declares.
+    pub fn number(self) -> A::Num {
+        match self {
+            Signal::Number(number) => number,
+            _ => panic!("no number where one is declared"),
+        }
+    }
+
+    /// The integer.
+    ///
+    /// # Panics
+    /// As [`Signal::number`].
+    pub fn integer(self) -> A::Int {
+        match self {
+            Signal::Integer(integer) => integer,
+            _ => panic!("no integer where one is declared"),
+        }
+    }
+
+    /// The bit.
+    ///
+    /// # Panics
+    /// As [`Signal::number`].
+    pub fn bit(self) -> A::Bit {
+        match self {
+            Signal::Bit(bit) => bit,
+            _ => panic!("no bit where one is declared"),
+        }
+    }
+}
+
+/// A named result of a datapath.
+pub type Named<A> = (&'static str, Signal<A>);
+
+/// The datapaths of a family of traversals, with their registers in a row.
+pub trait Step {
+    /// The module's name, such as `traverse_step`.
+    fn name(&self) -> &'static str;
+    /// What the module's header says: what it does, of which method, on which map.
+    fn description(&self) -> Vec<String>;
+    /// The ports a ray comes in by, before it is set up.
+    fn ray_ports(&self) -> Vec<Register>;
+    /// The registers a ray carries unchanged from step to step.
+    fn ray_registers(&self) -> Vec<Register>;
+    /// The registers of its walk. `hit` and `guard` are among them, and `steps` and `crossings`.
+    fn walk_registers(&self) -> Vec<Register>;
+    /// The ports by which the memory answers: a height each, of so many bits, in order.
+    fn height_ports(&self) -> Vec<(&'static str, u32)>;
+
+    /// A ray set up: ray registers, then walk registers, in their declared order.
+    fn set_up<A: Arith>(&self, a: &mut A, ray: &[Signal<A>]) -> Vec<Signal<A>>;
+    /// The address the memory is asked for, unsigned; `registers` are ray and walk registers.
+    fn address<A: Arith>(&self, a: &mut A, registers: &[Signal<A>]) -> A::Int;
+    /// One step: the walk registers after it, in their declared order, and what the hit would be
+    /// (`texel_i`, `texel_j`, depth and position), named.
+    fn step<A: Arith>(
+        &self,
+        a: &mut A,
+        registers: &[Signal<A>],
+        heights: &[A::Int],
+    ) -> (Vec<Signal<A>>, Vec<Named<A>>);
+}
