@@ -5,7 +5,12 @@
 //! and named. A [`Step`] puts them in a row, so that whoever records a netlist, writes vectors or
 //! closes a pipeline to a loop need not know which family it is.
 
+use std::borrow::Cow;
+
 use crate::arith::Arith;
+use crate::maps::Pyramid;
+use crate::ray::Ray;
+use crate::readings::{NumberFormat, enter};
 
 /// What kind of word a register is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,6 +97,22 @@ pub trait Step {
     fn walk_registers(&self) -> Vec<Register>;
     /// The ports by which the memory answers: a height each, of so many bits, in order.
     fn height_ports(&self) -> Vec<(&'static str, u32)>;
+    /// Bits of an address.
+    fn address_bits(&self) -> u32;
+    /// The step at which a walk without a hit ends with `guard`.
+    fn step_bound(&self) -> u32;
+
+    /// What the memory holds: at address `n`, the heights from `n * height_ports().len()` on, as
+    /// many as there are ports.
+    fn memory<'a>(&self, pyramid: &'a Pyramid) -> Cow<'a, [u16]> {
+        Cow::Borrowed(pyramid.memory())
+    }
+    /// What the ray ports carry for an admitted ray, in their declared order. Here: `u`, `v`,
+    /// `du`, `dv`, each rounded once as the reading's [`NumberFormat`] says.
+    fn enter<R: NumberFormat>(&self, reading: &mut R, ray: Ray<f64>) -> Vec<Signal<R>> {
+        let ray = enter(reading, ray);
+        [ray.u, ray.v, ray.du, ray.dv].map(Signal::Number).to_vec()
+    }
 
     /// A ray set up: ray registers, then walk registers, in their declared order.
     fn set_up<A: Arith>(&self, a: &mut A, ray: &[Signal<A>]) -> Vec<Signal<A>>;
