@@ -39,6 +39,18 @@ pub struct Surface {
     pub repeat: f64,
 }
 
+impl Surface {
+    /// The surface laid with a map that repeats its own `copies` times on a side
+    /// ([`crate::maps::tiled`]), so that it looks the same.
+    #[must_use]
+    pub fn with_tiled_map(self, copies: u32) -> Surface {
+        Surface {
+            repeat: self.repeat / f64::from(copies),
+            ..self
+        }
+    }
+}
+
 /// Where a pixel's view ray enters the surface: a [`Ray`] that has not been reduced to one repeat.
 ///
 /// `u` and `v` run from 0 to the surface's repeat; `du` and `dv` are the offset for one unit of

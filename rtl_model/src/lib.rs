@@ -4,7 +4,7 @@
 //! Start with [`arith`], the operators a unit's hardware has; [`units`] holds the datapaths written
 //! once over them; [`readings`] evaluates those datapaths in a number format; [`float`] is the
 //! integer-only float arithmetic behind the golden values, [`fixed`] the fixed-point one; [`exact`]
-//! is the independent judge.
+//! is the independent judge, [`judge`] what it says of whole frames.
 
 pub mod arith;
 pub mod calibration;
@@ -14,6 +14,7 @@ pub mod fixed;
 pub mod float;
 pub mod frame;
 pub mod instruction_set;
+pub mod judge;
 pub mod machine;
 pub mod maps;
 pub mod packet;

@@ -89,6 +89,19 @@ pub enum MapError {
         /// Texels on a side found.
         size: u64,
     },
+    /// A larger map is asked for that would be smaller.
+    #[error(
+        "height map {name}: it has {size} texels on a side already and cannot become one of {wanted}; \
+         ask for {size} or more"
+    )]
+    NotLarger {
+        /// The map.
+        name: String,
+        /// Its texels on a side.
+        size: u32,
+        /// Those asked for.
+        wanted: u32,
+    },
     /// Not one height for each texel.
     #[error("height map {name}: {found} heights for {size} x {size} texels; give one for each")]
     HeightCount {

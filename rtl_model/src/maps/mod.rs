@@ -2,6 +2,7 @@
 
 mod error;
 mod height_map;
+mod larger;
 mod load;
 mod noise;
 mod procedural;
@@ -10,6 +11,7 @@ mod source;
 
 pub use error::MapError;
 pub use height_map::{HeightMap, MAX_SIZE};
+pub use larger::{Enlargement, enlarged, tiled};
 pub use load::Channel;
 pub use procedural::{Pattern, Procedural};
 pub use pyramid::{Pyramid, node_address};
