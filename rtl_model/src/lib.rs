@@ -20,6 +20,7 @@ pub mod maps;
 pub mod packet;
 pub mod picture;
 pub mod ray;
+pub mod ray_format;
 pub mod readings;
 pub mod scene;
 pub mod units;

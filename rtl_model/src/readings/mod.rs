@@ -5,6 +5,7 @@
 //! | [`FloatReading`] | the bits of an `eXfY` float | the golden values, bit for bit |
 //! | [`F64Reading`] | an `f64` | the picture everyone compares with |
 //! | [`ExactReading`] | a rational of big integers | the truth, for hard cases |
+//! | [`IntervalReading`] | a range of `f64` | the ranges that size the fixed-point formats |
 //!
 //! The netlist reading, in which a number is a wire, lives in the crate that emits Verilog.
 //! [`Traced`] wraps any of them and keeps the result of every operation, in order.
@@ -12,11 +13,13 @@
 mod exact;
 mod float;
 mod integer;
+mod interval;
 mod native;
 mod traced;
 
 pub use exact::{ExactNum, ExactReading};
 pub use float::{E7F16, FloatReading, HasFormat};
+pub use interval::{IntegerInterval, Interval, IntervalReading, Maybe};
 pub use native::F64Reading;
 pub use traced::{Traced, Word};
 
