@@ -66,10 +66,11 @@ pub enum ExactError {
 }
 
 /// Ray components are multiples of 2^-`FINEST`.
-const FINEST: i32 = 100;
-/// Ray components are below 2^`LARGEST` in magnitude: with 12 bits of map size and `FINEST`
-/// fraction bits that is within 127 bits.
-const LARGEST: i32 = 13;
+const FINEST: i32 = 99;
+/// Ray components are at most 2^`LARGEST` in magnitude, the reach of the unit on a map of a single
+/// texel: with 12 bits of map size and `FINEST` fraction bits that is at most 2^125, and a border's
+/// distance from an entry at most twice that.
+const LARGEST: i32 = 14;
 
 /// One axis of a ray: in units of texels / 2^scale.
 struct Axis {
@@ -223,7 +224,7 @@ fn dyadic(value: f64) -> Result<Dyadic, ExactError> {
     if !value.is_finite() {
         return Err(ExactError::NotFinite);
     }
-    if value.abs() >= 2_f64.powi(LARGEST) {
+    if value.abs() > 2_f64.powi(LARGEST) {
         return Err(ExactError::TooLarge);
     }
     // Scaling by a power of two is exact, so what is left behind the point is seen exactly.
@@ -329,5 +330,15 @@ mod tests {
         assert_eq!(refused(f64::NAN, 0.0), ExactError::NotFinite);
         assert_eq!(refused(0.0, 2_f64.powi(-101)), ExactError::TooFine);
         assert_eq!(refused(0.0, 1e9), ExactError::TooLarge);
+        assert_eq!(refused(0.0, 2_f64.powi(14).next_up()), ExactError::TooLarge);
+    }
+
+    #[test]
+    fn the_reach_of_the_unit_is_within_the_integers() {
+        let spike = HeightMap::new("spike", 1, 8, vec![102]).unwrap();
+        let reach = 2_f64.powi(14);
+        let hit = exact_hit(&spike, ray(2_f64.powi(-99), reach, reach, -reach)).unwrap();
+        assert_eq!((hit.i, hit.j, hit.side), (0, 0, false));
+        assert_eq!(hit.t.numerator * 5, hit.t.denominator * 3);
     }
 }

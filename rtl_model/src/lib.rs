@@ -13,6 +13,7 @@ pub mod exact;
 pub mod fixed;
 pub mod float;
 pub mod frame;
+pub mod hard;
 pub mod instruction_set;
 pub mod judge;
 pub mod machine;
