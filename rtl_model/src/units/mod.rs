@@ -1,7 +1,13 @@
 //! The hardware's units, each datapath written once over [`crate::arith::Arith`].
 
+mod fixed_answer;
+mod fixed_ascent;
+mod fixed_child;
+pub mod fixed_node_step;
 pub mod fixed_setup;
 pub mod fixed_shape;
+pub mod fixed_step;
+pub mod fixed_traverse;
 pub mod search_policy;
 pub mod step;
 pub mod traverse;
