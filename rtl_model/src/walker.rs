@@ -17,6 +17,7 @@ use crate::readings::{E7F16, ExactReading, F64Reading, FloatReading, NumberForma
 use crate::scene::{Crossing, Family, Walk, WalkFormat};
 use crate::units::search_policy::SearchPolicy;
 use crate::units::traverse::{self, Hit};
+use crate::units::wide::{wide_shape_for, wide_walk};
 
 /// Why a ray cannot be walked in a format.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -96,6 +97,8 @@ pub struct Walker<'a> {
 pub(crate) enum Way {
     /// A node of the pyramid a step.
     Nodes(SearchPolicy),
+    /// A line of several nodes a step: `2^log2_side` on a side.
+    Wide { log2_side: u32 },
 }
 
 impl Way {
@@ -105,6 +108,7 @@ impl Way {
     fn of(walk: Walk) -> Result<Way, WalkerError> {
         match (walk.method.family(), walk.crossing) {
             (Family::Nodes(policy @ SearchPolicy::OH), Crossing::Index) => Ok(Way::Nodes(policy)),
+            (Family::Wide { log2_side }, Crossing::Index) => Ok(Way::Wide { log2_side }),
             _ => Err(WalkerError::Unsupported {
                 walk,
                 why: "this bench has method oh, by the index, so far",
@@ -218,6 +222,10 @@ pub(crate) fn walk_in<R: NumberFormat>(
         Way::Nodes(policy) => {
             debug_assert_eq!(policy, SearchPolicy::OH);
             traverse::walk(reading, pyramid, pyramid.memory(), ray)
+        }
+        Way::Wide { log2_side } => {
+            let shape = wide_shape_for(pyramid, log2_side);
+            wide_walk(reading, shape, pyramid.lines(log2_side), ray)
         }
     };
     Hit {

@@ -3,6 +3,7 @@
 mod error;
 mod height_map;
 mod larger;
+mod lines;
 mod load;
 mod noise;
 mod procedural;
@@ -12,6 +13,7 @@ mod source;
 pub use error::MapError;
 pub use height_map::{HeightMap, MAX_SIZE};
 pub use larger::{Enlargement, enlarged, tiled};
+pub use lines::{Lines, line_address};
 pub use load::Channel;
 pub use procedural::{Pattern, Procedural};
 pub use pyramid::{Pyramid, node_address};

@@ -1,6 +1,7 @@
 //! The quadtree of maximum heights that a traversal walks.
 
-use super::HeightMap;
+use super::{HeightMap, Lines};
+use std::sync::OnceLock;
 
 /// The pyramid of a height map with a side of `2^L` texels: level 0 is the map, level `L` its single
 /// root, and an inner node holds the maximum height of its four children, which is their minimum
@@ -23,7 +24,21 @@ pub struct Pyramid {
     levels: u32,
     bits: u32,
     memory: Vec<u16>,
+    lines: LinesOnDemand,
 }
+
+/// The pyramid's lines of 2 x 2 and of 4 x 4, laid out when they are first asked for: they follow
+/// from the rest, so they do not tell pyramids apart.
+#[derive(Clone, Debug, Default)]
+struct LinesOnDemand([OnceLock<Lines>; 2]);
+
+impl PartialEq for LinesOnDemand {
+    fn eq(&self, _: &LinesOnDemand) -> bool {
+        true
+    }
+}
+
+impl Eq for LinesOnDemand {}
 
 /// The address of node `(i, j)` of `level` in the memory of a pyramid whose root is at level
 /// `levels`; `i` and `j` wrap.
@@ -71,6 +86,7 @@ impl Pyramid {
             levels,
             bits: map.bits(),
             memory,
+            lines: LinesOnDemand::default(),
         }
     }
 
@@ -108,6 +124,14 @@ impl Pyramid {
     /// Bits of an address: `2 * levels + 1`.
     pub fn address_bits(&self) -> u32 {
         2 * self.levels + 1
+    }
+
+    /// The same heights in lines of `2^log2_side` nodes on a side, laid out at the first call.
+    ///
+    /// # Panics
+    /// If `log2_side` is neither 1 nor 2.
+    pub fn lines(&self, log2_side: u32) -> &Lines {
+        self.lines.0[log2_side as usize - 1].get_or_init(|| Lines::new(self, log2_side))
     }
 
     /// The memory as the hardware holds it, `2 * 4^levels` words; unused words are 0.
