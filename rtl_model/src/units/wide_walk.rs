@@ -169,7 +169,13 @@ pub(super) fn in_path_order<A: Arith>(
     heights: &[A::Int],
 ) -> [A::Int; MOST_CELLS] {
     let side = shape.side();
-    let mut ordered = [heights[0]; MOST_CELLS];
+    let mut words = [heights[0]; MOST_CELLS];
+    for (word, &height) in words.iter_mut().zip(heights) {
+        // A height has no sign; from here on it is an integer like others.
+        *word = a.int_low_bits(height, shape.height_bits);
+    }
+    let heights = words;
+    let mut ordered = heights;
     for (place, &(column, row)) in shape.path_order().iter().enumerate() {
         let far_column = side - 1 - column;
         let far_row = side - 1 - row;
