@@ -18,6 +18,7 @@ use rtl_model::maps::{Channel, HeightMap, MapSource, Pyramid};
 use rtl_model::packet::PacketWalker;
 use rtl_model::ray::{self, Ray};
 use rtl_model::readings::{E7F16, F64Reading, FloatReading, NumberFormat, enter};
+use rtl_model::units::search_policy::SearchPolicy;
 use rtl_model::units::traverse::{Hit, Status, walk};
 use std::hint::black_box;
 use std::path::Path;
@@ -181,7 +182,7 @@ fn golden_walks<R: NumberFormat>(mut reading: R, pyramid: &Pyramid, rays: &[Ray<
         .iter()
         .map(|&ray| {
             let ray = enter(&mut reading, ray);
-            u64::from(walk(&mut reading, pyramid, memory, ray).steps)
+            u64::from(walk(&mut reading, SearchPolicy::OH, pyramid, memory, ray).steps)
         })
         .sum();
     black_box(steps);

@@ -107,11 +107,11 @@ impl Way {
 
     fn of(walk: Walk) -> Result<Way, WalkerError> {
         match (walk.method.family(), walk.crossing) {
-            (Family::Nodes(policy @ SearchPolicy::OH), Crossing::Index) => Ok(Way::Nodes(policy)),
+            (Family::Nodes(policy), Crossing::Index) => Ok(Way::Nodes(policy)),
             (Family::Wide { log2_side }, Crossing::Index) => Ok(Way::Wide { log2_side }),
             _ => Err(WalkerError::Unsupported {
                 walk,
-                why: "this bench has method oh, by the index, so far",
+                why: "this bench has the methods that walk the pyramid, by the index, so far",
             }),
         }
     }
@@ -219,10 +219,7 @@ pub(crate) fn walk_in<R: NumberFormat>(
     reading.forget();
     let ray = enter(reading, ray);
     let hit = match way {
-        Way::Nodes(policy) => {
-            debug_assert_eq!(policy, SearchPolicy::OH);
-            traverse::walk(reading, pyramid, pyramid.memory(), ray)
-        }
+        Way::Nodes(policy) => traverse::walk(reading, policy, pyramid, pyramid.memory(), ray),
         Way::Wide { log2_side } => {
             let shape = wide_shape_for(pyramid, log2_side);
             wide_walk(reading, shape, pyramid.lines(log2_side), ray)

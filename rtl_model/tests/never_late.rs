@@ -8,6 +8,7 @@ use rtl_model::float::FloatFormat;
 use rtl_model::maps::{Channel, MapSource, Pyramid};
 use rtl_model::ray::{Ray, reach_in};
 use rtl_model::readings::{FloatReading, NumberFormat, enter};
+use rtl_model::units::search_policy::SearchPolicy;
 use rtl_model::units::traverse::{Status, walk};
 use std::cmp::Ordering;
 
@@ -74,7 +75,13 @@ fn no_hit_is_later_than_the_exact_one() {
             let mut reading = FloatReading(format);
             for number in 0..RAYS {
                 let ray = enter(&mut reading, ray(&mut fractions, reach));
-                let hit = walk(&mut reading, &pyramid, pyramid.memory(), ray);
+                let hit = walk(
+                    &mut reading,
+                    SearchPolicy::OH,
+                    &pyramid,
+                    pyramid.memory(),
+                    ray,
+                );
                 let entered = ray.map(|value| reading.to_f64(value));
                 let truth = exact_hit(&map, entered).expect("a ray within reach");
                 let place = format!("{name} {size} {format}, ray {number}: {entered:?}");

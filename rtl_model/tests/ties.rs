@@ -6,6 +6,7 @@ use rtl_model::exact::exact_hit;
 use rtl_model::maps::{HeightMap, Pyramid};
 use rtl_model::ray::Ray;
 use rtl_model::readings::{E7F16, ExactReading, FloatReading, NumberFormat, enter};
+use rtl_model::units::search_policy::SearchPolicy;
 use rtl_model::units::traverse::{Hit, Status, walk};
 use std::cmp::Ordering;
 
@@ -59,7 +60,13 @@ fn judge<R: NumberFormat>(reading: &mut R, map: &HeightMap, rays: u32, seed: u64
         reading.forget();
         let ray = ray(&mut state);
         let entered = enter(reading, ray);
-        let hit: Hit<R::Num> = walk(reading, &pyramid, pyramid.memory(), entered);
+        let hit: Hit<R::Num> = walk(
+            reading,
+            SearchPolicy::OH,
+            &pyramid,
+            pyramid.memory(),
+            entered,
+        );
         let truth = exact_hit(map, ray).expect("a ray of the grid");
         let is_wrong = (hit.i, hit.j) != (truth.i, truth.j);
         let is_late = truth.t.compare_with(reading.to_f64(hit.t)) == Ordering::Less;

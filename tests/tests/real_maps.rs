@@ -10,6 +10,7 @@ use rtl_model::exact::exact_hit;
 use rtl_model::maps::{Channel, HeightMap, MapSource, Pyramid};
 use rtl_model::ray::Ray;
 use rtl_model::readings::{E7F16, F64Reading, FloatReading, NumberFormat, enter};
+use rtl_model::units::search_policy::SearchPolicy;
 use rtl_model::units::traverse::{Status, walk};
 use std::cmp::Ordering;
 
@@ -78,7 +79,13 @@ fn judge<R: NumberFormat + Default>(map: &HeightMap, rays: &[Ray<f64>]) -> Tally
             for &ray in rays {
                 reading.forget();
                 let ray = enter(&mut reading, ray);
-                let hit = walk(&mut reading, &pyramid, pyramid.memory(), ray);
+                let hit = walk(
+                    &mut reading,
+                    SearchPolicy::OH,
+                    &pyramid,
+                    pyramid.memory(),
+                    ray,
+                );
                 let truth = exact_hit(map, ray.map(|value| reading.to_f64(value)))
                     .expect("the exact reference takes rays of a camera");
                 tally.rays += 1;
@@ -178,7 +185,13 @@ fn the_judge_sees_a_texel_too_far_and_a_depth_too_late() {
     let mut reading = F64Reading;
     let (mut wrong, mut late) = (0, 0);
     for &ray in &rays {
-        let hit = walk(&mut reading, &pyramid, pyramid.memory(), ray);
+        let hit = walk(
+            &mut reading,
+            SearchPolicy::OH,
+            &pyramid,
+            pyramid.memory(),
+            ray,
+        );
         let truth = exact_hit(&shifted, ray).expect("a ray of a camera");
         wrong += u32::from((hit.i, hit.j) != (truth.i, truth.j));
         late += u32::from(truth.t.compare_with(hit.t) == Ordering::Less);
@@ -212,7 +225,18 @@ fn mean_steps_are_the_papers() {
             let rays = frame(subject, camera, 1024, 768);
             let steps: u64 = rays
                 .par_iter()
-                .map(|&ray| u64::from(walk(&mut F64Reading, &pyramid, pyramid.memory(), ray).steps))
+                .map(|&ray| {
+                    u64::from(
+                        walk(
+                            &mut F64Reading,
+                            SearchPolicy::OH,
+                            &pyramid,
+                            pyramid.memory(),
+                            ray,
+                        )
+                        .steps,
+                    )
+                })
                 .sum();
             let mean = steps as f64 / rays.len() as f64;
             let deviation = 100.0 * (mean / published - 1.0);

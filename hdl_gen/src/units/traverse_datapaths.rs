@@ -3,6 +3,7 @@
 use super::traverse::UnitConfiguration;
 use crate::datapath::{BuiltDatapath, IntSignal, Recorder, build, schedule};
 use rtl_model::machine::STEP_INPUTS;
+use rtl_model::units::search_policy::SearchPolicy;
 use rtl_model::units::step::RegisterKind;
 use rtl_model::units::traverse_setup::{RayRegisters, traverse_setup};
 use rtl_model::units::traverse_step::{WalkRegisters, node_address, traverse_step};
@@ -14,7 +15,15 @@ pub fn build_setup(configuration: &UnitConfiguration) -> BuiltDatapath {
     let v = recorder.num_input("v", 0);
     let du = recorder.num_input("du", 0);
     let dv = recorder.num_input("dv", 0);
-    let setup = traverse_setup(&mut recorder, u, v, du, dv);
+    let setup = traverse_setup(
+        &mut recorder,
+        configuration.shape,
+        SearchPolicy::OH,
+        u,
+        v,
+        du,
+        dv,
+    );
     let ray = setup.ray;
     for (name, signal) in [
         ("u", ray.u),
@@ -101,14 +110,29 @@ pub fn build_step(configuration: &UnitConfiguration) -> BuiltDatapath {
         at_border_v,
         corner_owed,
         corner_paid,
+        passed: None,
+        crossed_before: None,
         steps,
         crossings,
         hit,
         guard,
     };
     // In the order in which the golden model evaluates them.
-    let address = node_address(&mut recorder, configuration.shape, &ray, &walk);
-    let result = traverse_step(&mut recorder, configuration.shape, &ray, &walk, height);
+    let address = node_address(
+        &mut recorder,
+        configuration.shape,
+        SearchPolicy::OH,
+        &ray,
+        &walk,
+    );
+    let result = traverse_step(
+        &mut recorder,
+        configuration.shape,
+        SearchPolicy::OH,
+        &ray,
+        &walk,
+        height,
+    );
 
     recorder.early_output("node_address", address);
     for (name, signal) in [

@@ -5,6 +5,7 @@ use rtl_model::maps::Pyramid;
 use rtl_model::ray::Ray;
 use rtl_model::readings::{FloatReading, NumberFormat};
 use rtl_model::scene::{Scene, Walk, WalkFormat};
+use rtl_model::units::search_policy::SearchPolicy;
 use rtl_model::units::traverse::{Hit, Status, shape_for, walk};
 use rtl_model::units::traverse_step::COUNTER_BITS;
 use rtl_model::walker::Walker;
@@ -115,7 +116,13 @@ pub fn ray_vectors(format: FloatFormat, pyramid: &Pyramid, rays: &[Ray<u64>]) ->
     };
     let mut reading = FloatReading(format);
     for &ray in rays {
-        let hit: Hit<u64> = walk(&mut reading, pyramid, pyramid.memory(), ray);
+        let hit: Hit<u64> = walk(
+            &mut reading,
+            SearchPolicy::OH,
+            pyramid,
+            pyramid.memory(),
+            ray,
+        );
         vectors.rays.push(vec![ray.u, ray.v, ray.du, ray.dv]);
         vectors.hits.push(vec![
             hit.i.into(),

@@ -7,8 +7,9 @@ use rtl_model::machine::STEP_INPUTS;
 use rtl_model::maps::Pyramid;
 use rtl_model::ray::{Ray, reach_in};
 use rtl_model::readings::FloatReading;
+use rtl_model::units::search_policy::SearchPolicy;
 use rtl_model::units::traverse::shape_for;
-use rtl_model::units::traverse_setup::{RayRegisters, traverse_setup};
+use rtl_model::units::traverse_setup::{RayRegisters, SetUpRay, traverse_setup};
 use rtl_model::units::traverse_step::{
     StepResult, TraverseShape, WalkRegisters, node_address, traverse_step, walk_start,
 };
@@ -76,11 +77,20 @@ pub fn idle_step_results(unit: &Module, format: FloatFormat, pyramid: &Pyramid) 
         mirror_u: false,
         mirror_v: false,
     };
-    let walk = WalkRegisters {
+    let idle = SetUpRay {
+        ray,
         level: 0,
-        ..walk_start(&mut chosen.reading, chosen.shape, 0, 0)
+        i: 0,
+        j: 0,
     };
-    let address = node_address(&mut chosen.reading, chosen.shape, &ray, &walk);
+    let walk = walk_start(&mut chosen.reading, SearchPolicy::OH, &idle);
+    let address = node_address(
+        &mut chosen.reading,
+        chosen.shape,
+        SearchPolicy::OH,
+        &ray,
+        &walk,
+    );
     let (vector, _) = chosen.step_at(&ray, &walk, address, 0);
     let inputs = chosen
         .set
@@ -151,7 +161,7 @@ impl Chosen<'_> {
             last = walk;
             walk = self.step(&ray, &walk).1.walk;
         }
-        let below_bound = i64::from(self.shape.step_bound()) - 1;
+        let below_bound = i64::from(self.shape.step_bound(SearchPolicy::OH)) - 1;
         for walk in [first, last] {
             for (steps, hit, guard) in [
                 (below_bound, false, false),
@@ -172,8 +182,16 @@ impl Chosen<'_> {
 
     fn start(&mut self, ray: Ray<u64>) -> (RayRegisters<Reading>, WalkRegisters<Reading>) {
         let reading = &mut self.reading;
-        let setup = traverse_setup(reading, ray.u, ray.v, ray.du, ray.dv);
-        let walk = walk_start(reading, self.shape, setup.i, setup.j);
+        let setup = traverse_setup(
+            reading,
+            self.shape,
+            SearchPolicy::OH,
+            ray.u,
+            ray.v,
+            ray.du,
+            ray.dv,
+        );
+        let walk = walk_start(reading, SearchPolicy::OH, &setup);
         (setup.ray, walk)
     }
 
@@ -183,7 +201,7 @@ impl Chosen<'_> {
         ray: &RayRegisters<Reading>,
         walk: &WalkRegisters<Reading>,
     ) -> (Vec<u64>, StepResult<Reading>) {
-        let address = node_address(&mut self.reading, self.shape, ray, walk);
+        let address = node_address(&mut self.reading, self.shape, SearchPolicy::OH, ray, walk);
         let height = i64::from(self.pyramid.memory()[address as usize]);
         self.step_at(ray, walk, address, height)
     }
@@ -196,7 +214,14 @@ impl Chosen<'_> {
         address: i64,
         height: i64,
     ) -> (Vec<u64>, StepResult<Reading>) {
-        let result = traverse_step(&mut self.reading, self.shape, ray, walk, height);
+        let result = traverse_step(
+            &mut self.reading,
+            self.shape,
+            SearchPolicy::OH,
+            ray,
+            walk,
+            height,
+        );
         let vector = self.set.fields.iter().map(|field| {
             let value = match (field.role, field.name.as_str()) {
                 (_, "height_i") => height as u64,

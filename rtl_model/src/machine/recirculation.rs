@@ -7,6 +7,7 @@
 use crate::maps::Pyramid;
 use crate::ray::Ray;
 use crate::readings::{Traced, Word};
+use crate::units::search_policy::SearchPolicy;
 use crate::units::step::RegisterKind;
 use crate::units::traverse::{Hit, Status, shape_for};
 use crate::units::traverse_setup::{RayRegisters, traverse_setup};
@@ -217,8 +218,16 @@ fn set_up<R: Word>(
     shape: TraverseShape,
     ray: Ray<R::Num>,
 ) -> (RayRegisters<Traced<R>>, WalkRegisters<Traced<R>>) {
-    let setup = traverse_setup(traced, ray.u, ray.v, ray.du, ray.dv);
-    (setup.ray, walk_start(traced, shape, setup.i, setup.j))
+    let setup = traverse_setup(
+        traced,
+        shape,
+        SearchPolicy::OH,
+        ray.u,
+        ray.v,
+        ray.du,
+        ray.dv,
+    );
+    (setup.ray, walk_start(traced, SearchPolicy::OH, &setup))
 }
 
 /// Evaluates the step of what enters the pipeline.
@@ -255,9 +264,9 @@ fn enter<R: Word>(
         ]
     };
     traced.words.clear();
-    let address = node_address(traced, shape, &ray, &walk);
+    let address = node_address(traced, shape, SearchPolicy::OH, &ray, &walk);
     let height = i64::from(memory[address as usize]);
-    let result = traverse_step(traced, shape, &ray, &walk, height);
+    let result = traverse_step(traced, shape, SearchPolicy::OH, &ray, &walk, height);
     let walk = result.walk;
     StageEntry {
         valid: occupant.valid,

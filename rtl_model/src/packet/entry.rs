@@ -179,7 +179,9 @@ mod tests {
     use super::*;
     use crate::float::FloatFormat;
     use crate::readings::{E7F16, FloatReading, enter};
+    use crate::units::search_policy::SearchPolicy;
     use crate::units::traverse_setup::traverse_setup;
+    use crate::units::traverse_step::TraverseShape;
 
     /// Every register of the set-up ray is that of the datapath.
     #[test]
@@ -221,10 +223,23 @@ mod tests {
         }
         let mut entrance = Entrance::new(&rays);
         let mut reading = FloatReading(E7F16);
+        let shape = TraverseShape {
+            root_level: 8,
+            height_bits: 8,
+        };
         let mut seen = 0;
         while let Some((place, u, v)) = entrance.next() {
             let ray = enter(&mut reading, rays[place]);
-            let setup = traverse_setup(&mut reading, ray.u, ray.v, ray.du, ray.dv).ray;
+            let setup = traverse_setup(
+                &mut reading,
+                shape,
+                SearchPolicy::OH,
+                ray.u,
+                ray.v,
+                ray.du,
+                ray.dv,
+            )
+            .ray;
             let bits = |value| format.to_f64(value).to_bits();
             let context = format!("{:?}", rays[place]);
             assert_eq!(u.coordinate.to_bits(), bits(setup.u), "{context}");

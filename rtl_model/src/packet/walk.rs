@@ -6,6 +6,7 @@ use super::node::{BITS_U, BITS_V, index_of};
 use super::number::{flush, round_to_nearest, select, truncate};
 use crate::instruction_set::Work;
 use crate::ray::Ray;
+use crate::units::search_policy::SearchPolicy;
 use crate::units::traverse::{Hit, Status};
 use crate::units::traverse_step::TraverseShape;
 
@@ -61,7 +62,7 @@ impl Work for WalkRays<'_> {
                 ended &= ended - 1;
                 let ray = packet.ray[lane];
                 let steps = now.wrapping_sub(packet.entered[lane]);
-                if steps > self.shape.step_bound() {
+                if steps > self.shape.step_bound(SearchPolicy::OH) {
                     entrance.leave_over(ray);
                 } else {
                     self.hits[ray] = packet.hit(lane, self.shape, steps);
@@ -82,7 +83,9 @@ impl Packet {
     #[cold]
     fn overdue(&self, shape: TraverseShape, now: u32) -> u64 {
         (0..LANES)
-            .filter(|&lane| now.wrapping_sub(self.entered[lane]) > shape.step_bound())
+            .filter(|&lane| {
+                now.wrapping_sub(self.entered[lane]) > shape.step_bound(SearchPolicy::OH)
+            })
             .fold(0, |lanes, lane| lanes | 1 << lane)
     }
 

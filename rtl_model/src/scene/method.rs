@@ -142,6 +142,13 @@ impl Method {
         }
     }
 
+    /// The method that walks by this policy, if it has a name.
+    pub fn of(policy: SearchPolicy) -> Option<Method> {
+        let levels = (1..=Method::MOST_LEVELS_DOWN).map(Method::MultiLevelDown);
+        let mut named = Method::ALL.into_iter().chain(levels);
+        named.find(|method| method.family() == Family::Nodes(policy))
+    }
+
     /// Does it promise never to miss?
     pub const fn is_safe(self) -> bool {
         !matches!(self.family(), Family::Linear(_))

@@ -57,4 +57,14 @@ impl SearchPolicy {
     pub const fn remembers_borders(self) -> bool {
         matches!(self.ascent, Ascent::Always | Ascent::Coherent)
     }
+
+    /// Must it know whether the step before crossed too?
+    pub const fn remembers_crossing(self) -> bool {
+        matches!(self.ascent, Ascent::Coherent)
+    }
+
+    /// Does it look at nothing but the map, level 0?
+    pub const fn is_flat(self) -> bool {
+        matches!((self.start, self.ascent), (Start::Texel, Ascent::Never))
+    }
 }

@@ -1,5 +1,6 @@
 //! A whole walk in software: the traverse unit with nobody waiting behind.
 
+use super::search_policy::SearchPolicy;
 use super::traverse_setup::traverse_setup;
 use super::traverse_step::{TraverseShape, node_address, traverse_step, walk_start};
 use crate::maps::Pyramid;
@@ -54,21 +55,22 @@ pub fn shape_for(pyramid: &Pyramid) -> TraverseShape {
     }
 }
 
-/// Walks a ray to its hit. The ray's numbers are the reading's, u and v in [0, 1), its reach at
-/// most [`crate::ray::REACH_TEXELS`].
+/// Walks a ray to its hit, as the policy says. The ray's numbers are the reading's, u and v in
+/// [0, 1), its reach at most [`crate::ray::REACH_TEXELS`].
 pub fn walk<R: NumberFormat>(
     reading: &mut R,
+    policy: SearchPolicy,
     pyramid: &Pyramid,
     memory: &[u16],
     ray: Ray<R::Num>,
 ) -> Hit<R::Num> {
     let shape = shape_for(pyramid);
-    let setup = traverse_setup(reading, ray.u, ray.v, ray.du, ray.dv);
-    let mut walk = walk_start(reading, shape, setup.i, setup.j);
+    let setup = traverse_setup(reading, shape, policy, ray.u, ray.v, ray.du, ray.dv);
+    let mut walk = walk_start(reading, policy, &setup);
     loop {
-        let address = node_address(reading, shape, &setup.ray, &walk);
+        let address = node_address(reading, shape, policy, &setup.ray, &walk);
         let height = i64::from(memory[address as usize]);
-        let result = traverse_step(reading, shape, &setup.ray, &walk, height);
+        let result = traverse_step(reading, shape, policy, &setup.ray, &walk, height);
         walk = result.walk;
         if walk.hit || walk.guard {
             return Hit {

@@ -6,6 +6,9 @@
 //! cases of the walk; ties come out right by themselves, since "the texel it travels into" is
 //! always the one above the border.
 
+use super::search_policy::SearchPolicy;
+use super::traverse_shape::TraverseShape;
+use super::traverse_start::start_node;
 use crate::arith::Arith;
 
 /// The registers a ray carries unchanged from step to step.
@@ -37,21 +40,26 @@ impl<A: Arith> Clone for RayRegisters<A> {
 
 impl<A: Arith> Copy for RayRegisters<A> {}
 
-/// A ray as its registers hold it, and the index of the root node it starts in, on either axis:
-/// 0, or -1 where a mirrored coordinate lies below zero.
+/// A ray as its registers hold it, and the node its walk starts at. Of a start at the root the
+/// index is 0 on either axis, or -1 where a mirrored coordinate lies below zero.
 #[derive(Debug)]
 pub struct SetUpRay<A: Arith> {
     /// What stays.
     pub ray: RayRegisters<A>,
-    /// Root node on u.
+    /// Level of the start node.
+    pub level: A::Int,
+    /// Its index on u.
     pub i: A::Int,
-    /// Root node on v.
+    /// Its index on v.
     pub j: A::Int,
 }
 
-/// Mirrors a ray with u and v in [0, 1). Exact: no operation rounds.
+/// Mirrors a ray with u and v in [0, 1), exactly: no operation rounds. Finds the node its walk
+/// starts at; of that, only the ray's end is rounded, and nothing but steps depends on it.
 pub fn traverse_setup<A: Arith>(
     a: &mut A,
+    shape: TraverseShape,
+    policy: SearchPolicy,
     u: A::Num,
     v: A::Num,
     du: A::Num,
@@ -73,7 +81,13 @@ pub fn traverse_setup<A: Arith>(
         mirror_u,
         mirror_v,
     };
-    SetUpRay { ray, i, j }
+    let start = start_node(a, shape, policy, &ray, (i, j));
+    SetUpRay {
+        ray,
+        level: start.level,
+        i: start.i,
+        j: start.j,
+    }
 }
 
 struct AxisNames {

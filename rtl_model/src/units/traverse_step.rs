@@ -1,10 +1,14 @@
-//! One step of the walk down and across the pyramid of maximum heights: method `oh`
-//! (Oh, Ki, Lee 2006, as defined by measurement in the project's notes on the papers).
+//! One step of a walk down, across and up the pyramid of maximum heights: all methods that look at
+//! a node a step (`oh`: Oh, Ki, Lee 2006; the others as [`SearchPolicy`] tells them apart; all as
+//! defined by measurement in the project's notes on the papers).
 //!
 //! A step looks at one node. With d its depth and t the depth reached so far:
-//! if d is not beyond t, go one level down; else, if the ray is still inside the node at d,
-//! advance to d and go one level down; else cross into the neighbour behind the border that the
-//! ray leaves through. At level 0, going down is the hit.
+//! if d is not beyond t, go down; else, if the ray is still inside the node at d, advance to d and
+//! go down; else cross into the neighbour behind the border that the ray leaves through. At level
+//! 0, going down is the hit. A policy may go down several levels at once
+//! (`units::traverse_descent`), go up a level where it crosses (`units::traverse_ascent`), and start
+//! elsewhere than at the root (`units::traverse_start`). What it has no use for is not computed:
+//! the operations depend on the policy, never on a ray.
 //!
 //! # Why no surface is stepped past
 //!
@@ -34,11 +38,21 @@
 //!
 //! In a reading that does not round, both bounds are one and the last case never arises.
 
-use super::traverse_axis::{AXIS_U, AXIS_V, Axis, exit, far_child};
+use super::search_policy::SearchPolicy;
+use super::traverse_ascent::{
+    CrossedBorders, NodeCrossing, Prediction, crossed_after, node_behind, passed_after,
+};
+use super::traverse_axis::{AXIS_U, AXIS_V, Axis, exit};
+use super::traverse_descent::{NodeBelow, Reached, child, far_children, node_below};
 use super::traverse_setup::RayRegisters;
+use super::traverse_shape::SHIFT_BITS;
 use crate::arith::Arith;
 use crate::float::Rounding::{NearestEven, TowardZero};
-use crate::ray::REACH_TEXELS;
+
+pub use super::traverse_registers::{PassedBorders, WalkRegisters, walk_start};
+pub use super::traverse_shape::{
+    COUNTER_BITS, INDEX_BITS, LEVEL_BITS, TraverseShape, counter_bits,
+};
 
 /// How far the true exit depth can lie above the computed one, in units in the last place, where
 /// the distance to the border is exact: truncating the quotient loses less than one.
@@ -47,80 +61,6 @@ pub const EXACT_EXIT_ULPS: u32 = 1;
 /// The same where the distance was truncated too: it loses less than one unit of its own, which
 /// the quotient sees as less than two (its significand may be the smaller one).
 pub const ROUNDED_EXIT_ULPS: u32 = 3;
-
-/// Bits of a node index, signed: a walk starts in texels -4096 to 4095 and reaches 2^14 texels.
-pub const INDEX_BITS: u32 = 16;
-
-/// Bits of the step and crossing counters, signed: enough for [`TraverseShape::step_bound`].
-pub const COUNTER_BITS: u32 = 17;
-
-/// Bits of a level, signed: 0 to 12, and -1 in passing.
-pub const LEVEL_BITS: u32 = 5;
-
-/// What a traverse unit is built for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct TraverseShape {
-    /// Level of the pyramid's root: log2 of the map's size, 0 to 12.
-    pub root_level: u32,
-    /// Bits of a height: 8 or 16.
-    pub height_bits: u32,
-}
-
-impl TraverseShape {
-    /// Texels on a side of the map.
-    pub const fn size(self) -> u32 {
-        1 << self.root_level
-    }
-
-    /// More steps than any ray within reach can take; a walk that gets there answers `guard`.
-    ///
-    /// A step goes down a level, at most `root_level + 1` times, or crosses. Going straight, a
-    /// crossing moves on by at least a texel on one axis, and there are `reach + size` of them on
-    /// either; a corner in doubt makes three crossings of two.
-    pub const fn step_bound(self) -> u32 {
-        self.root_level + 1 + 3 * (REACH_TEXELS as u32 + self.size())
-    }
-
-    /// Bits of a height's address in the pyramid's memory.
-    pub const fn address_bits(self) -> u32 {
-        2 * self.root_level + 1
-    }
-}
-
-/// The registers of a walk that change from step to step.
-#[derive(Debug)]
-pub struct WalkRegisters<A: Arith> {
-    /// Level of the node looked at; 0 is the map itself.
-    pub level: A::Int,
-    /// Index of the node on u, mirrored where the ray is, not wrapped to the map.
-    pub i: A::Int,
-    /// Index of the node on v.
-    pub j: A::Int,
-    /// Depth reached: never later than the ray truly is.
-    pub t: A::Num,
-    /// The depth t is that at which a border of v was crossed.
-    pub at_border_v: A::Bit,
-    /// A corner was in doubt and u was crossed first: the node across the corner is owed a visit.
-    pub corner_owed: A::Bit,
-    /// The visit across the corner is being paid: the next crossing goes behind the corner.
-    pub corner_paid: A::Bit,
-    /// Steps taken.
-    pub steps: A::Int,
-    /// Node crossings among them.
-    pub crossings: A::Int,
-    /// The walk has ended in a hit: level 0, node (i, j), depth t.
-    pub hit: A::Bit,
-    /// The walk has ended at the step bound.
-    pub guard: A::Bit,
-}
-
-impl<A: Arith> Clone for WalkRegisters<A> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<A: Arith> Copy for WalkRegisters<A> {}
 
 /// What a step leaves: the registers for the next one, and the position they stand for.
 #[derive(Debug)]
@@ -137,38 +77,18 @@ pub struct StepResult<A: Arith> {
     pub texel_j: A::Int,
 }
 
-/// The walk's registers before its first step: at the root, at depth 0.
-pub fn walk_start<A: Arith>(
-    a: &mut A,
-    shape: TraverseShape,
-    i: A::Int,
-    j: A::Int,
-) -> WalkRegisters<A> {
-    let no = a.bit_constant(false);
-    let none = a.int_constant(0);
-    WalkRegisters {
-        level: a.int_constant(i64::from(shape.root_level)),
-        i,
-        j,
-        t: a.zero(),
-        at_border_v: no,
-        corner_owed: no,
-        corner_paid: no,
-        steps: none,
-        crossings: none,
-        hit: no,
-        guard: no,
-    }
-}
-
 /// Where the height of the walk's node lies in the pyramid's memory (the layout is
 /// [`crate::maps::Pyramid`]'s): a one, then the node's index on v, then on u.
 pub fn node_address<A: Arith>(
     a: &mut A,
     shape: TraverseShape,
+    policy: SearchPolicy,
     ray: &RayRegisters<A>,
     walk: &WalkRegisters<A>,
 ) -> A::Int {
+    if policy.is_flat() {
+        return texel_address(a, shape, ray, walk);
+    }
     let root_level = a.int_constant(i64::from(shape.root_level));
     let below_root = a.int_sub(root_level, walk.level);
     let below_root = a.int_low_bits(below_root, 4);
@@ -194,10 +114,32 @@ pub fn node_address<A: Arith>(
     address
 }
 
+/// The same where the walk looks at texels only.
+fn texel_address<A: Arith>(
+    a: &mut A,
+    shape: TraverseShape,
+    ray: &RayRegisters<A>,
+    walk: &WalkRegisters<A>,
+) -> A::Int {
+    let i = texel(a, shape, ray.mirror_u, walk.i);
+    a.name_int("wrapped_i", i);
+    let j = texel(a, shape, ray.mirror_v, walk.j);
+    a.name_int("wrapped_j", j);
+    let size = a.int_constant(i64::from(shape.size()));
+    let j = a.int_or(j, size);
+    let index_bits = a.int_constant(i64::from(shape.root_level));
+    let row = a.int_shift_left(j, index_bits, SHIFT_BITS);
+    let address = a.int_or(row, i);
+    let address = a.int_low_bits(address, shape.address_bits());
+    a.name_int("node_address", address);
+    address
+}
+
 /// One step of a walk, at a node of this height.
 pub fn traverse_step<A: Arith>(
     a: &mut A,
     shape: TraverseShape,
+    policy: SearchPolicy,
     ray: &RayRegisters<A>,
     walk: &WalkRegisters<A>,
     height: A::Int,
@@ -264,39 +206,32 @@ pub fn traverse_step<A: Arith>(
     a.name_num("travelled_u", travelled_u);
     let travelled_v = a.mul(TowardZero, t, ray.dv);
     a.name_num("travelled_v", travelled_v);
-    // A t that gets further in this step is no longer that of the crossing.
-    let t_is_old = a.not(gets_further);
-    a.name_bit("t_is_old", t_is_old);
-    let still_at_border_v = a.and(walk.at_border_v, t_is_old);
-    a.name_bit("still_at_border_v", still_at_border_v);
-    let never = a.bit_constant(false);
-    let far_u = far_child(
-        a,
-        &axis_u,
-        size_exponent,
-        walk.i,
-        travelled_u,
-        still_at_border_v,
-    );
-    let far_v = far_child(a, &axis_v, size_exponent, walk.j, travelled_v, never);
+    let descent = (!policy.is_flat()).then(|| {
+        // A t that gets further in this step is no longer that of the crossing.
+        let t_is_old = a.not(gets_further);
+        a.name_bit("t_is_old", t_is_old);
+        let still_at_border_v = a.and(walk.at_border_v, t_is_old);
+        a.name_bit("still_at_border_v", still_at_border_v);
+        let reached = Reached {
+            axis_u: &axis_u,
+            axis_v: &axis_v,
+            travelled_u,
+            travelled_v,
+            still_at_border_v,
+        };
+        let far = far_children(a, &reached, walk, size_exponent);
+        (reached, far)
+    });
     let owed = walk.corner_owed;
     let paid = walk.corner_paid;
     let not_owed = a.not(owed);
     a.name_bit("not_owed", not_owed);
     let not_paid = a.not(paid);
     a.name_bit("not_paid", not_paid);
-    let far_u = a.or(far_u, paid);
-    a.name_bit("far_u_or_paid", far_u);
-    let far_u = a.and(far_u, not_owed);
-    a.name_bit("child_is_far_u", far_u);
-    let far_v = a.or(far_v, owed);
-    a.name_bit("far_v_or_owed", far_v);
-    let far_v = a.and(far_v, not_paid);
-    a.name_bit("child_is_far_v", far_v);
-    let child_i = child_index(a, "first_child_i", walk.i, far_u);
-    a.name_int("child_i", child_i);
-    let child_j = child_index(a, "first_child_j", walk.j, far_v);
-    a.name_int("child_j", child_j);
+    let descent = descent.map(|(reached, far)| {
+        let child = child(a, walk, far, not_owed, not_paid);
+        (reached, child)
+    });
 
     // Which neighbour a crossing goes to: (+1, 0) or (0, +1) as the exits say, (+1, 0) at a corner
     // in doubt, then (-1, +1) to the node owed a visit, then (+1, 0) behind the corner.
@@ -320,8 +255,11 @@ pub fn traverse_step<A: Arith>(
     a.name_int("neighbour_j", neighbour_j);
 
     // The walk after the step.
-    let at_level_0 = a.int_equal(walk.level, zero);
-    a.name_bit("at_level_0", at_level_0);
+    let at_level_0 = (!policy.is_flat()).then(|| {
+        let at_level_0 = a.int_equal(walk.level, zero);
+        a.name_bit("at_level_0", at_level_0);
+        at_level_0
+    });
     let running = a.not(ended);
     a.name_bit("running", running);
     let goes_down = a.and(down, running);
@@ -330,30 +268,66 @@ pub fn traverse_step<A: Arith>(
     a.name_bit("not_down", not_down);
     let crosses = a.and(not_down, running);
     a.name_bit("crosses", crosses);
-    let hits = a.and(goes_down, at_level_0);
+    let hits = match at_level_0 {
+        Some(at_level_0) => a.and(goes_down, at_level_0),
+        None => goes_down,
+    };
     a.name_bit("hits", hits);
     let hit = a.or(walk.hit, hits);
     a.name_bit("next_hit", hit);
-    let above_level_0 = a.not(at_level_0);
-    a.name_bit("above_level_0", above_level_0);
-    let descends = a.and(goes_down, above_level_0);
-    a.name_bit("descends", descends);
+    let descends = at_level_0.map(|at_level_0| {
+        let above_level_0 = a.not(at_level_0);
+        a.name_bit("above_level_0", above_level_0);
+        let descends = a.and(goes_down, above_level_0);
+        a.name_bit("descends", descends);
+        descends
+    });
+    let crossing = NodeCrossing {
+        crosses,
+        across_u: i_forward,
+        corner_in_doubt,
+        i: neighbour_i,
+        j: neighbour_j,
+    };
+    let prediction = Prediction {
+        axis_u: &axis_u,
+        axis_v: &axis_v,
+        size_exponent,
+        depth,
+    };
+    let behind = node_behind(a, shape, policy, walk, &crossing, &prediction);
+    let below = descent.as_ref().map(|(reached, child)| {
+        let level_below = a.int_sub(walk.level, one);
+        a.name_int("level_below", level_below);
+        let child = NodeBelow {
+            level: level_below,
+            i: child.0,
+            j: child.1,
+        };
+        node_below(a, policy, reached, walk, size_exponent, child)
+    });
+    let goes_below = descends.zip(below);
 
-    let level_below = a.int_sub(walk.level, one);
-    a.name_int("level_below", level_below);
-    let level = a.int_select(descends, level_below, walk.level);
-    // The level goes from root_level down to 0.
-    let level = a.int_wrap(level, LEVEL_BITS);
-    a.name_int("next_level", level);
-    let i = a.int_select(crosses, neighbour_i, walk.i);
+    let mut level = behind.level;
+    if let Some((descends, below)) = &goes_below {
+        level = a.int_select(*descends, below.level, level);
+        // It stays between 0 and root_level.
+        level = a.int_wrap(level, LEVEL_BITS);
+        a.name_int("next_level", level);
+    }
+    let mut i = a.int_select(crosses, behind.i, walk.i);
     a.name_int("i_unless_down", i);
-    let i = a.int_select(descends, child_i, i);
+    if let Some((descends, below)) = &goes_below {
+        i = a.int_select(*descends, below.i, i);
+    }
     // A ray within reach stays within the index's bits.
     let i = a.int_wrap(i, INDEX_BITS);
     a.name_int("next_i", i);
-    let j = a.int_select(crosses, neighbour_j, walk.j);
+    let mut j = a.int_select(crosses, behind.j, walk.j);
     a.name_int("j_unless_down", j);
-    let j = a.int_select(descends, child_j, j);
+    if let Some((descends, below)) = &goes_below {
+        j = a.int_select(*descends, below.j, j);
+    }
     let j = a.int_wrap(j, INDEX_BITS);
     a.name_int("next_j", j);
 
@@ -362,12 +336,18 @@ pub fn traverse_step<A: Arith>(
     let not_across_u = a.not(i_forward);
     let crosses_v = a.and(crosses, not_across_u);
     a.name_bit("crosses_v", crosses_v);
-    let not_across_u_now = a.not(crosses_u);
-    a.name_bit("not_across_u_now", not_across_u_now);
-    let stays_at_border_v = a.and(still_at_border_v, not_across_u_now);
-    a.name_bit("stays_at_border_v", stays_at_border_v);
-    let at_border_v = a.or(crosses_v, stays_at_border_v);
-    a.name_bit("next_at_border_v", at_border_v);
+    let at_border_v = match &descent {
+        Some((reached, _)) => {
+            let not_across_u_now = a.not(crosses_u);
+            a.name_bit("not_across_u_now", not_across_u_now);
+            let stays_at_border_v = a.and(reached.still_at_border_v, not_across_u_now);
+            a.name_bit("stays_at_border_v", stays_at_border_v);
+            let at_border_v = a.or(crosses_v, stays_at_border_v);
+            a.name_bit("next_at_border_v", at_border_v);
+            at_border_v
+        }
+        None => walk.at_border_v,
+    };
     let straight = a.and(not_owed, not_paid);
     a.name_bit("straight", straight);
     let doubt_begins = a.and(straight, corner_in_doubt);
@@ -386,17 +366,29 @@ pub fn traverse_step<A: Arith>(
     let corner_paid = a.or(paid_if_crossing, paid_if_staying);
     a.name_bit("next_corner_paid", corner_paid);
 
+    let crossed = CrossedBorders {
+        crosses,
+        crosses_u,
+        crosses_v,
+        straight,
+        doubt_begins,
+        i: neighbour_i,
+        j: neighbour_j,
+    };
+    let passed = passed_after(a, walk, &crossed);
+    let crossed_before = crossed_after(a, walk, ended, crosses, behind.goes_up);
+
     let step = a.int_from_bit(running);
     let steps = a.int_add(walk.steps, step);
     // The guard ends a walk before its counters could overflow.
-    let steps = a.int_wrap(steps, COUNTER_BITS);
+    let steps = a.int_wrap(steps, counter_bits(policy));
     a.name_int("next_steps", steps);
     let crossing = a.int_from_bit(crosses);
     a.name_int("crossing", crossing);
     let crossings = a.int_add(walk.crossings, crossing);
-    let crossings = a.int_wrap(crossings, COUNTER_BITS);
+    let crossings = a.int_wrap(crossings, counter_bits(policy));
     a.name_int("next_crossings", crossings);
-    let step_bound = a.int_constant(i64::from(shape.step_bound()));
+    let step_bound = a.int_constant(i64::from(shape.step_bound(policy)));
     let at_bound = a.int_equal(steps, step_bound);
     a.name_bit("at_bound", at_bound);
     let no_hit = a.not(hit);
@@ -428,6 +420,8 @@ pub fn traverse_step<A: Arith>(
             at_border_v,
             corner_owed,
             corner_paid,
+            passed,
+            crossed_before,
             steps,
             crossings,
             hit,
@@ -438,18 +432,6 @@ pub fn traverse_step<A: Arith>(
         texel_i,
         texel_j,
     }
-}
-
-fn child_index<A: Arith>(
-    a: &mut A,
-    first_child: &'static str,
-    index: A::Int,
-    far: A::Bit,
-) -> A::Int {
-    let twice = a.int_add(index, index);
-    a.name_int(first_child, twice);
-    let far = a.int_from_bit(far);
-    a.int_or(twice, far)
 }
 
 fn texel<A: Arith>(a: &mut A, shape: TraverseShape, mirror: A::Bit, index: A::Int) -> A::Int {

@@ -6,6 +6,7 @@ use serde::Serialize;
 use rtl_model::frame::check_scene;
 use rtl_model::maps::Pyramid;
 use rtl_model::scene::{Effects, Scene, WalkFormat};
+use rtl_model::units::search_policy::SearchPolicy;
 use rtl_model::units::traverse::shape_for;
 use rtl_model::units::traverse_step::{COUNTER_BITS, INDEX_BITS};
 
@@ -170,7 +171,7 @@ fn units(number_bits: u32, pyramid: &Pyramid) -> Vec<Part> {
             why: format!(
                 "around both: sends each ray through the step until its hit, at most {} steps, and \
                  reads the pyramid ({}-bit addresses, {}-bit heights)",
-                shape.step_bound(),
+                shape.step_bound(SearchPolicy::OH),
                 shape.address_bits(),
                 shape.height_bits
             ),
