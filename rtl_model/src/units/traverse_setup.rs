@@ -65,6 +65,24 @@ pub fn traverse_setup<A: Arith>(
     du: A::Num,
     dv: A::Num,
 ) -> SetUpRay<A> {
+    let (ray, root) = mirror_ray(a, u, v, du, dv);
+    let start = start_node(a, shape, policy, &ray, root);
+    SetUpRay {
+        ray,
+        level: start.level,
+        i: start.i,
+        j: start.j,
+    }
+}
+
+/// The ray mirrored, and the index of its root node on u and on v.
+pub(super) fn mirror_ray<A: Arith>(
+    a: &mut A,
+    u: A::Num,
+    v: A::Num,
+    du: A::Num,
+    dv: A::Num,
+) -> (RayRegisters<A>, (A::Int, A::Int)) {
     let (mirror_u, u, du, i) = mirror_axis(a, &AXIS_U, u, du);
     let (mirror_v, v, dv, j) = mirror_axis(a, &AXIS_V, v, dv);
     let exact_below_u = a.exact_below(u);
@@ -81,13 +99,7 @@ pub fn traverse_setup<A: Arith>(
         mirror_u,
         mirror_v,
     };
-    let start = start_node(a, shape, policy, &ray, (i, j));
-    SetUpRay {
-        ray,
-        level: start.level,
-        i: start.i,
-        j: start.j,
-    }
+    (ray, (i, j))
 }
 
 struct AxisNames {

@@ -1,6 +1,6 @@
 //! What is done to a ray once before a wide walk.
 
-use super::traverse_setup::{RayRegisters, traverse_setup};
+use super::traverse_setup::{RayRegisters, mirror_ray};
 use super::traverse_step::INDEX_BITS;
 use super::wide_shape::WideShape;
 use super::wide_walk::{WideWalk, start_level, wide_walk_start};
@@ -21,7 +21,7 @@ pub struct WideSetUpRay<A: Arith> {
 
 /// Mirrors a ray with u and v in [0, 1), and chooses where its walk starts. Exact.
 pub fn wide_setup<A: Arith>(a: &mut A, shape: WideShape, ray: Ray<A::Num>) -> WideSetUpRay<A> {
-    let ray = traverse_setup(a, ray.u, ray.v, ray.du, ray.dv).ray;
+    let (ray, _) = mirror_ray(a, ray.u, ray.v, ray.du, ray.dv);
     let reach = a.max(ray.du, ray.dv);
     a.name_num("longer_direction", reach);
     let start_level = start_level(a, shape, |a, texels_log2| {
