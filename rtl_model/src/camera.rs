@@ -49,6 +49,11 @@ impl Surface {
             ..self
         }
     }
+
+    /// How deep depth 1 is, in repeats of the map.
+    pub fn depth_in_repeats(&self) -> f64 {
+        self.depth_scale / self.side * self.repeat
+    }
 }
 
 /// Where a pixel's view ray enters the surface: a [`Ray`] that has not been reduced to one repeat.

@@ -6,6 +6,8 @@
 //! installs its own. In e7f16, the format that most frames are walked in, the rays go in packets
 //! ([`crate::packet`]), which makes no difference but to the time.
 
+mod sampled;
+
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -15,9 +17,12 @@ use crate::maps::Pyramid;
 use crate::packet::PacketWalker;
 use crate::picture::{self, PixelHit};
 use crate::ray::Ray;
-use crate::scene::{Crossing, Method, Scene, Walk, WalkFormat};
+use crate::scene::{Crossing, Family, Method, Scene, Walk, WalkFormat};
 use crate::units::traverse::{Hit, Status};
 use crate::walker::{AdmissionError, Walker, WalkerError};
+use sampled::walk_sampled;
+
+pub use sampled::BLOCK;
 
 /// Places that a thread fills before it takes others, and calls the progress function: of rays
 /// walked one at a time.
@@ -168,15 +173,20 @@ pub fn walk_scene(
 ) -> Result<Frame, WalkFrameError> {
     // Each ray is made twice, here and when it is walked: that is quicker than keeping them all.
     check_scene(scene, pyramid)?;
-    let view = scene.view();
     let (width, height) = (scene.frame.width, scene.frame.height);
-    let pixels = width as usize * height as usize;
-    let mut hits = vec![None; pixels];
-    let ray_of = |walker: &Walker<'_>, pixel| {
-        let (x, y) = place(pixel, width);
-        admit(walker, &view, x, y)
+    let hits = match scene.walk.method.family() {
+        Family::Linear(search) => walk_sampled(scene, search, pyramid, progress)?,
+        Family::Nodes(_) | Family::Wide { .. } => {
+            let view = scene.view();
+            let mut hits = vec![None; width as usize * height as usize];
+            let ray_of = |walker: &Walker<'_>, pixel| {
+                let (x, y) = place(pixel, width);
+                admit(walker, &view, x, y)
+            };
+            walk_places(scene.walk, pyramid, progress, &mut hits, ray_of, Some)?;
+            hits
+        }
     };
-    walk_places(scene.walk, pyramid, progress, &mut hits, ray_of, Some)?;
     Ok(Frame {
         width,
         height,
@@ -193,7 +203,7 @@ pub fn check_scene(scene: &Scene, pyramid: &Pyramid) -> Result<u64, WalkFrameErr
     let view = scene.view();
     let width = scene.frame.width;
     let pixels = width as usize * scene.frame.height as usize;
-    let checker = Walker::new(scene.walk, pyramid)?;
+    let checker = Walker::for_frame(scene.walk, pyramid, &scene.surface)?;
     let counted = |pixel| {
         let (x, y) = place(pixel, width);
         admit(&checker, &view, x, y).map(|ray| u64::from(ray.is_some()))

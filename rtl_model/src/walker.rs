@@ -10,11 +10,15 @@
 
 use thiserror::Error;
 
+use crate::camera::Surface;
 use crate::float::{FloatFormat, Rounding};
 use crate::maps::Pyramid;
 use crate::ray::{self, Ray, RayError};
 use crate::readings::{E7F16, ExactReading, F64Reading, FloatReading, NumberFormat, enter};
-use crate::scene::{Crossing, Family, Walk, WalkFormat};
+use crate::scene::{Crossing, Family, LinearSearch, Method, Walk, WalkFormat};
+use crate::units::linear_ray::{LINEAR_SAMPLES, LinearRay, NOMINAL_DEPTH, SampleRange};
+use crate::units::linear_walk::{first_sample_below, pom_walk, relief_walk};
+use crate::units::offset_walk::{offset_shape_for, walk_by_offset};
 use crate::units::search_policy::SearchPolicy;
 use crate::units::traverse::{self, Hit};
 use crate::units::wide::{wide_shape_for, wide_walk};
@@ -99,6 +103,15 @@ pub(crate) enum Way {
     Nodes(SearchPolicy),
     /// A line of several nodes a step: `2^log2_side` on a side.
     Wide { log2_side: u32 },
+    /// A node a step, found anew from a position this many texels beyond the border.
+    Offset(SearchPolicy, f64),
+    /// A sample a step.
+    Linear {
+        /// The method.
+        search: LinearSearch,
+        /// How deep depth 1 is, in repeats of the map.
+        depth_in_repeats: f64,
+    },
 }
 
 impl Way {
@@ -109,21 +122,63 @@ impl Way {
         match (walk.method.family(), walk.crossing) {
             (Family::Nodes(policy), Crossing::Index) => Ok(Way::Nodes(policy)),
             (Family::Wide { log2_side }, Crossing::Index) => Ok(Way::Wide { log2_side }),
+            (Family::Nodes(policy), Crossing::Offset(offset)) => {
+                Ok(Way::Offset(policy, offset.texels()))
+            }
+            (Family::Linear(search), Crossing::Index) => Ok(Way::Linear {
+                search,
+                depth_in_repeats: NOMINAL_DEPTH,
+            }),
+            (Family::Linear(_), Crossing::Offset(_)) => Err(WalkerError::Unsupported {
+                walk,
+                why: "a method that samples crosses no border; leave the crossing out",
+            }),
             _ => Err(WalkerError::Unsupported {
                 walk,
-                why: "this bench has the methods that walk the pyramid, by the index, so far",
+                why: "this bench does not have them together",
             }),
         }
     }
 }
 
 impl<'a> Walker<'a> {
-    /// A walker of this method and format through the map under `pyramid`.
+    /// A walker of this method and format through the map under `pyramid`, for any rays.
+    ///
+    /// # Errors
+    /// If method, format and crossing do not go together, or the method needs the pixels of a frame.
+    pub fn new(walk: Walk, pyramid: &'a Pyramid) -> Result<Walker<'a>, WalkerError> {
+        let way = Way::of(walk)?;
+        if walk.method == Method::Dig {
+            return Err(WalkerError::Unsupported {
+                walk,
+                why: "its intervals come from the corner rays of blocks of 4 x 4 pixels, and a list \
+                      of rays has no pixels; render a scene by it, or take relief, which searches \
+                      the whole ray",
+            });
+        }
+        Walker::by(way, walk, pyramid)
+    }
+
+    /// A walker for the rays of a frame on this surface.
     ///
     /// # Errors
     /// If method, format and crossing do not go together.
-    pub fn new(walk: Walk, pyramid: &'a Pyramid) -> Result<Walker<'a>, WalkerError> {
-        let way = Way::of(walk)?;
+    pub(crate) fn for_frame(
+        walk: Walk,
+        pyramid: &'a Pyramid,
+        surface: &Surface,
+    ) -> Result<Walker<'a>, WalkerError> {
+        let way = match Way::of(walk)? {
+            Way::Linear { search, .. } => Way::Linear {
+                search,
+                depth_in_repeats: surface.depth_in_repeats(),
+            },
+            way => way,
+        };
+        Walker::by(way, walk, pyramid)
+    }
+
+    fn by(way: Way, walk: Walk, pyramid: &'a Pyramid) -> Result<Walker<'a>, WalkerError> {
         let reading = match walk.format {
             WalkFormat::Float(FloatFormat::E7F16) => Reading::E7f16(FloatReading(E7F16)),
             WalkFormat::Float(format) => Reading::Float(FloatReading(format)),
@@ -203,6 +258,45 @@ impl<'a> Walker<'a> {
     }
 }
 
+impl Walker<'_> {
+    /// The number of the first of a hundred samples of an admitted ray that lies below the surface:
+    /// what a depth-interval grid asks of a corner ray. As many samples are looked at.
+    pub(crate) fn first_sample_below(&mut self, admitted: Ray<f64>) -> u32 {
+        fn first<R: NumberFormat>(reading: &mut R, pyramid: &Pyramid, ray: Ray<f64>) -> u32 {
+            reading.forget();
+            let ray = LinearRay::enter(reading, ray, SampleRange::whole(LINEAR_SAMPLES));
+            first_sample_below(reading, pyramid, &ray)
+        }
+        match &mut self.reading {
+            Reading::E7f16(reading) => first(reading, self.pyramid, admitted),
+            Reading::Float(reading) => first(reading, self.pyramid, admitted),
+            Reading::F64(reading) => first(reading, self.pyramid, admitted),
+            Reading::Exact(reading) => first(reading, self.pyramid, admitted),
+        }
+    }
+
+    /// Searches an admitted ray within these samples, and refines what it finds.
+    pub(crate) fn search_within(&mut self, admitted: Ray<f64>, samples: SampleRange) -> Hit<f64> {
+        fn search<R: NumberFormat>(
+            reading: &mut R,
+            pyramid: &Pyramid,
+            ray: Ray<f64>,
+            samples: SampleRange,
+        ) -> Hit<f64> {
+            reading.forget();
+            let ray = LinearRay::enter(reading, ray, samples);
+            let hit = relief_walk(reading, pyramid, &ray);
+            outside(reading, hit)
+        }
+        match &mut self.reading {
+            Reading::E7f16(reading) => search(reading, self.pyramid, admitted, samples),
+            Reading::Float(reading) => search(reading, self.pyramid, admitted, samples),
+            Reading::F64(reading) => search(reading, self.pyramid, admitted, samples),
+            Reading::Exact(reading) => search(reading, self.pyramid, admitted, samples),
+        }
+    }
+}
+
 /// The ray as a reading holds it.
 fn entered_in<R: NumberFormat>(reading: &mut R, admitted: Ray<f64>) -> Ray<f64> {
     let ray = enter(reading, admitted);
@@ -217,14 +311,36 @@ pub(crate) fn walk_in<R: NumberFormat>(
     ray: Ray<f64>,
 ) -> Hit<f64> {
     reading.forget();
-    let ray = enter(reading, ray);
+    let entered = enter(reading, ray);
     let hit = match way {
-        Way::Nodes(policy) => traverse::walk(reading, policy, pyramid, pyramid.memory(), ray),
+        Way::Nodes(policy) => traverse::walk(reading, policy, pyramid, pyramid.memory(), entered),
         Way::Wide { log2_side } => {
             let shape = wide_shape_for(pyramid, log2_side);
-            wide_walk(reading, shape, pyramid.lines(log2_side), ray)
+            wide_walk(reading, shape, pyramid.lines(log2_side), entered)
+        }
+        Way::Offset(policy, texels) => {
+            let shape = offset_shape_for(pyramid, policy, texels);
+            walk_by_offset(reading, shape, pyramid.memory(), entered)
+        }
+        Way::Linear {
+            search,
+            depth_in_repeats,
+        } => {
+            let entered = entered.map(|number| reading.to_f64(number));
+            let samples = SampleRange::of(search, entered, depth_in_repeats);
+            let ray = LinearRay::enter(reading, ray, samples);
+            match search {
+                LinearSearch::Pom => pom_walk(reading, pyramid, &ray),
+                // Without a block's interval, depth-interval grids search as relief mapping does.
+                LinearSearch::Relief | LinearSearch::Dig => relief_walk(reading, pyramid, &ray),
+            }
         }
     };
+    outside(reading, hit)
+}
+
+/// A hit in numbers of the outside world.
+fn outside<R: NumberFormat>(reading: &R, hit: Hit<R::Num>) -> Hit<f64> {
     Hit {
         i: hit.i,
         j: hit.j,
@@ -242,7 +358,6 @@ mod tests {
     use super::*;
     use crate::exact::exact_hit;
     use crate::maps::{Channel, HeightMap, MapSource};
-    use crate::scene::Method;
     use crate::units::traverse::Status;
     use proptest::prelude::*;
 
