@@ -129,13 +129,17 @@ impl Way {
                 search,
                 depth_in_repeats: NOMINAL_DEPTH,
             }),
+            (Family::Wide { .. }, Crossing::Offset(_)) => Err(WalkerError::Unsupported {
+                walk,
+                why: "a method that reads lines is walked by the index; leave the crossing out",
+            }),
             (Family::Linear(_), Crossing::Offset(_)) => Err(WalkerError::Unsupported {
                 walk,
                 why: "a method that samples crosses no border; leave the crossing out",
             }),
             _ => Err(WalkerError::Unsupported {
                 walk,
-                why: "this bench does not have them together",
+                why: "this bench has method oh, by the index, so far",
             }),
         }
     }
