@@ -137,10 +137,6 @@ impl Way {
                 walk,
                 why: "a method that samples crosses no border; leave the crossing out",
             }),
-            _ => Err(WalkerError::Unsupported {
-                walk,
-                why: "this bench has method oh, by the index, so far",
-            }),
         }
     }
 }
