@@ -20,6 +20,7 @@ pub mod machine;
 pub mod maps;
 pub mod packet;
 pub mod picture;
+pub mod published;
 pub mod ray;
 pub mod ray_format;
 pub mod readings;

@@ -6,9 +6,9 @@ use super::canvas::{LETTER, fill, text_width, write};
 use super::colour::{background, mix, scale};
 use super::{Frame, PixelHit};
 
-const PAPER: Rgb<u8> = Rgb([24, 26, 31]);
-const INK: Rgb<u8> = Rgb([226, 229, 235]);
-const FAINT_INK: Rgb<u8> = Rgb([150, 156, 168]);
+pub(super) const PAPER: Rgb<u8> = Rgb([24, 26, 31]);
+pub(super) const INK: Rgb<u8> = Rgb([226, 229, 235]);
+pub(super) const FAINT_INK: Rgb<u8> = Rgb([150, 156, 168]);
 const MARGIN: u32 = 10;
 const BAR_WIDTH: u32 = 16;
 const TICK: u32 = 4;
@@ -183,7 +183,7 @@ fn widened(extent: Extent) -> Extent {
 
 /// Round numbers within `extent`, three to nine of them, with their labels: multiples of 1, 2 or 5
 /// times a power of ten. Where numbers are `whole` there are no others, so there may be but one.
-fn ticks(extent: Extent, whole: bool) -> Vec<(f64, String)> {
+pub(super) fn ticks(extent: Extent, whole: bool) -> Vec<(f64, String)> {
     let span = extent.high - extent.low;
     let finest = span.log10().floor() as i32 - 1;
     let mut exponent = if whole { finest.max(0) } else { finest };

@@ -4,6 +4,7 @@ mod area;
 mod corpus;
 mod emit;
 mod eval;
+mod paper;
 mod plan;
 mod render;
 mod trace;
@@ -31,6 +32,7 @@ pub enum Command {
     Verify(verify::Arguments),
     Wavediff(wavediff::Arguments),
     Area(area::Arguments),
+    Paper(paper::Arguments),
     Plan(plan::Arguments),
     Vectors(vectors::Arguments),
     Corpus(corpus::Arguments),
@@ -52,6 +54,7 @@ impl Command {
             Command::Verify(arguments) => verify::run(arguments),
             Command::Wavediff(arguments) => wavediff::run(arguments),
             Command::Area(arguments) => area::run(arguments),
+            Command::Paper(arguments) => paper::run(arguments),
             Command::Plan(arguments) => plan::run(arguments),
         }
     }

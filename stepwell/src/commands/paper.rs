@@ -1,0 +1,104 @@
+//! `stepwell paper`: the papers' tables beside ours.
+
+mod report;
+mod subject;
+mod table;
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+use rtl_model::published::Table;
+use rtl_model::scene::{FrameSize, Method};
+
+use super::Outcome;
+use crate::options::{AnswerOptions, NumberFormat, Size, ThreadOptions};
+
+/// The papers' tables beside ours
+///
+/// Walks the real height maps with the calibrated cameras. The maps are not part of this
+/// repository: they are found in the folder that --maps or the environment variable STEPWELL_MAPS
+/// names, or in ../shared/heightmaps.
+#[derive(Args, Debug)]
+#[command(
+    arg_required_else_help = true,
+    subcommand_value_name = "TABLE",
+    subcommand_help_heading = "Tables",
+    after_help = "Examples: stepwell paper table4 --screen 1024x768\n          \
+                  stepwell paper table2 --method oh -o out/table2"
+)]
+pub struct Arguments {
+    #[command(subcommand)]
+    table: PaperTable,
+}
+
+#[derive(Debug, Subcommand)]
+enum PaperTable {
+    /// Node crossings among the steps, in percent (2013 hardware paper, table 2)
+    ///
+    /// Every hit is judged by the exact reference. Exit code 1 says that a method that promises the
+    /// right texel has a wrong one, or that ours are further from the paper than 3 % in a method's
+    /// mean or 10 % in a cell; doubtful cells are shown and do not count.
+    Table2(TableArguments),
+    /// Mean steps on Rocks, one to four levels down at once (the same, table 3)
+    ///
+    /// As table2.
+    Table3(TableArguments),
+    /// Mean steps of every method (the same, table 4)
+    ///
+    /// As table2.
+    Table4(TableArguments),
+}
+
+/// Of a table of the 2013 hardware paper.
+#[derive(Args, Debug)]
+pub struct TableArguments {
+    /// Pixels of each frame; the paper's are 1024x768
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1024x768")]
+    screen: Size,
+
+    /// Number format: f64 as in the paper's counts, exact, or a float such as e7f16
+    #[arg(long, value_name = "FORMAT", default_value = "f64")]
+    format: NumberFormat,
+
+    /// Only these methods of the table, such as oh: repeat the option, or put commas between
+    #[arg(long, value_name = "METHOD", value_delimiter = ',')]
+    method: Vec<Method>,
+
+    #[command(flatten)]
+    maps: MapsOption,
+
+    /// Folder for the table as TABLE.csv, TABLE.json and TABLE.png (ours over the paper's), made if
+    /// missing
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+
+    #[command(flatten)]
+    threads: ThreadOptions,
+
+    #[command(flatten)]
+    answer: AnswerOptions,
+}
+
+/// Where the real height maps are.
+#[derive(Args, Clone, Debug)]
+pub struct MapsOption {
+    /// Folder of the seven real height maps
+    #[arg(long, value_name = "DIR")]
+    maps: Option<PathBuf>,
+}
+
+impl TableArguments {
+    fn screen(&self) -> FrameSize {
+        self.screen.0
+    }
+}
+
+/// Shows the table.
+pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
+    match arguments.table {
+        PaperTable::Table2(arguments) => table::run(Table::CrossingProbability, arguments),
+        PaperTable::Table3(arguments) => table::run(Table::LevelsDown, arguments),
+        PaperTable::Table4(arguments) => table::run(Table::StepsPerPixel, arguments),
+    }
+}
