@@ -10,6 +10,7 @@
 //! The netlist reading, in which a number is a wire, lives in the crate that emits Verilog.
 //! [`Traced`] wraps any of them and keeps the result of every operation, in order.
 
+mod enclosure;
 mod exact;
 mod float;
 mod integer;
