@@ -306,20 +306,26 @@ pub fn wide_fixed_step<A: Arith>(
     let v = fixed_borders(a, shape, &BORDERS_V, level, j, ray.v, ray.slope_u);
 
     // Which cells the ray passes through: is the column's border crossed no later than the row's?
-    let u_first = |a: &mut A, column: usize, row: usize| {
-        let across = a.int_add(walk.error, u.error[column]);
-        let across = a.int_sub(across, v.error[row]);
-        let across = a.int_wrap(across, shape.line_error_bits());
-        let v_first = a.int_less_than(zero, across);
-        a.not(v_first)
-    };
+    // Asked of every point where two borders meet but the near corner.
+    let mut u_first = [[a.bit_constant(false); MOST_SIDE + 1]; MOST_SIDE + 1];
+    for column in 0..=side {
+        for row in 0..=side {
+            if column + row == 0 {
+                continue;
+            }
+            let across = a.int_add(walk.error, u.error[column]);
+            let across = a.int_sub(across, v.error[row]);
+            let across = a.int_wrap(across, shape.line_error_bits());
+            let v_first = a.int_less_than(zero, across);
+            u_first[column][row] = a.not(v_first);
+            a.name_bit(U_FIRST[column][row], u_first[column][row]);
+        }
+    }
     let mut on_path = [a.bit_constant(false); MOST_CELLS];
     for (place, &(column, row)) in order.iter().enumerate() {
-        let enters_u = u_first(a, column, row + 1);
-        let leaves_u = u_first(a, column + 1, row);
-        let still_in_u = a.not(leaves_u);
+        let still_in_u = a.not(u_first[column + 1][row]);
         let enters_v = a.or(still_in_u, v.is_behind[row]);
-        let enters = a.and(enters_u, enters_v);
+        let enters = a.and(u_first[column][row + 1], enters_v);
         let behind = a.or(u.is_behind[column + 1], v.is_behind[row + 1]);
         let ahead = a.not(behind);
         on_path[place] = a.and(enters, ahead);
@@ -369,11 +375,9 @@ pub fn wide_fixed_step<A: Arith>(
         }
     }
 
-    let leaves_u = u_first(a, side, side);
-    a.name_bit("leaves_u", leaves_u);
     let sight = Sight {
         candidates,
-        leaves_u,
+        leaves_u: u_first[side][side],
         // No corner is ever in doubt.
         leaves_back: a.bit_constant(false),
     };
@@ -536,4 +540,43 @@ const RANKS: [[&str; 4]; MOST_RANKS] = [
     ["depth_4", "position_u_4", "position_v_4", "inside_4"],
     ["depth_5", "position_u_5", "position_v_5", "inside_5"],
     ["depth_6", "position_u_6", "position_v_6", "inside_6"],
+];
+
+/// By column border, then row border.
+const U_FIRST: [[&str; MOST_SIDE + 1]; MOST_SIDE + 1] = [
+    [
+        "u_first_00",
+        "u_first_01",
+        "u_first_02",
+        "u_first_03",
+        "u_first_04",
+    ],
+    [
+        "u_first_10",
+        "u_first_11",
+        "u_first_12",
+        "u_first_13",
+        "u_first_14",
+    ],
+    [
+        "u_first_20",
+        "u_first_21",
+        "u_first_22",
+        "u_first_23",
+        "u_first_24",
+    ],
+    [
+        "u_first_30",
+        "u_first_31",
+        "u_first_32",
+        "u_first_33",
+        "u_first_34",
+    ],
+    [
+        "u_first_40",
+        "u_first_41",
+        "u_first_42",
+        "u_first_43",
+        "u_first_44",
+    ],
 ];
