@@ -17,6 +17,7 @@ use crate::maps::Pyramid;
 use crate::packet::PacketWalker;
 use crate::picture::{self, PixelHit};
 use crate::ray::Ray;
+use crate::ray_format::{RayFormat, RayRange};
 use crate::scene::{Crossing, Family, Method, Scene, Walk, WalkFormat};
 use crate::units::traverse::{Hit, Status};
 use crate::walker::{AdmissionError, Walker, WalkerError};
@@ -102,6 +103,72 @@ pub struct Frame {
     pub hits: Vec<Option<Hit<f64>>>,
     /// What it cost.
     pub counts: Counts,
+    /// How it was walked.
+    pub fit: Fit,
+}
+
+/// How rays are walked that have all been looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// The walk; in fixed point, with the format of slopes that the rays call for.
+    pub walk: Walk,
+    /// Rays looked at.
+    pub rays: u64,
+    /// The most texels that one of them travels on an axis, from top to bottom.
+    pub most_texels: f64,
+    /// In fixed point, the formats of the rays and why.
+    pub ray_format: Option<RayFormat>,
+    /// Rays with a slope beyond the format: their slope is its largest.
+    pub saturated: u64,
+}
+
+/// What is found by looking at rays.
+#[derive(Clone, Copy, Debug, Default)]
+struct Survey {
+    rays: u64,
+    saturated: u64,
+    range: Option<RayRange>,
+}
+
+impl Survey {
+    fn of(ray: Ray<f64>, format: Option<RayFormat>) -> Survey {
+        Survey {
+            rays: 1,
+            saturated: format.map_or(0, |format| format.quantise(ray).saturated.into()),
+            range: Some(RayRange::of(ray)),
+        }
+    }
+
+    fn and(self, other: Survey) -> Survey {
+        Survey {
+            rays: self.rays + other.rays,
+            saturated: self.saturated + other.saturated,
+            range: match (self.range, other.range) {
+                (Some(range), Some(other)) => Some(range.and(other)),
+                (range, other) => range.or(other),
+            },
+        }
+    }
+
+    /// The walk that these rays call for. `told` is the format that they were looked at with.
+    fn fit(self, walk: Walk, pyramid: &Pyramid, told: Option<RayFormat>) -> Fit {
+        let chosen = match (walk.format, &self.range) {
+            (WalkFormat::Fixed(None), Some(range)) => Some(RayFormat::for_rays(range, pyramid)),
+            _ => told,
+        };
+        Fit {
+            walk: Walk {
+                format: chosen.map_or(walk.format, |format| WalkFormat::Fixed(Some(format.slope))),
+                ..walk
+            },
+            rays: self.rays,
+            most_texels: self
+                .range
+                .map_or(0.0, |range| range.most_texels(pyramid.size())),
+            ray_format: chosen,
+            saturated: self.saturated,
+        }
+    }
 }
 
 /// Why a frame cannot be walked. Nothing has been walked then.
@@ -172,7 +239,7 @@ pub fn walk_scene(
     progress: Progress<'_>,
 ) -> Result<Frame, WalkFrameError> {
     // Each ray is made twice, here and when it is walked: that is quicker than keeping them all.
-    check_scene(scene, pyramid)?;
+    let fit = fit_scene(scene, pyramid)?;
     let (width, height) = (scene.frame.width, scene.frame.height);
     let hits = match scene.walk.method.family() {
         Family::Linear(search) => walk_sampled(scene, search, pyramid, progress)?,
@@ -183,7 +250,7 @@ pub fn walk_scene(
                 let (x, y) = place(pixel, width);
                 admit(walker, &view, x, y)
             };
-            walk_places(scene.walk, pyramid, progress, &mut hits, ray_of, Some)?;
+            walk_places(fit.walk, pyramid, progress, &mut hits, ray_of, Some)?;
             hits
         }
     };
@@ -192,6 +259,7 @@ pub fn walk_scene(
         height,
         counts: Counts::of(hits.iter().flatten()),
         hits,
+        fit,
     })
 }
 
@@ -200,20 +268,55 @@ pub fn walk_scene(
 /// # Errors
 /// The first pixel, in reading order, whose ray cannot be walked.
 pub fn check_scene(scene: &Scene, pyramid: &Pyramid) -> Result<u64, WalkFrameError> {
+    Ok(fit_scene(scene, pyramid)?.rays)
+}
+
+/// Looks at the view rays of a scene's frame: how they are walked.
+///
+/// # Errors
+/// The first pixel, in reading order, whose ray cannot be walked.
+pub fn fit_scene(scene: &Scene, pyramid: &Pyramid) -> Result<Fit, WalkFrameError> {
     let view = scene.view();
     let width = scene.frame.width;
     let pixels = width as usize * scene.frame.height as usize;
     let checker = Walker::for_frame(scene.walk, pyramid, &scene.surface)?;
-    let counted = |pixel| {
+    let format = checker.ray_format();
+    let looked_at = |pixel| {
         let (x, y) = place(pixel, width);
-        admit(&checker, &view, x, y).map(|ray| u64::from(ray.is_some()))
+        let ray = admit(&checker, &view, x, y)?;
+        Ok(ray.map_or(Survey::default(), |ray| Survey::of(ray, format)))
     };
     // Of two faults the one further left is kept, so the answer is that of reading in order.
-    let both = |left: Result<u64, _>, right: Result<u64, _>| Ok(left? + right?);
-    (0..pixels)
+    let both = |left: Result<Survey, WalkFrameError>, right: Result<Survey, WalkFrameError>| {
+        Ok(left?.and(right?))
+    };
+    let survey = (0..pixels)
         .into_par_iter()
-        .map(counted)
-        .reduce(|| Ok(0), both)
+        .map(looked_at)
+        .reduce(|| Ok(Survey::default()), both)?;
+    Ok(survey.fit(scene.walk, pyramid, format))
+}
+
+/// Looks at a list of rays: how they are walked.
+///
+/// # Errors
+/// The first ray that cannot be walked.
+pub fn fit_rays(walk: Walk, pyramid: &Pyramid, rays: &[Ray<f64>]) -> Result<Fit, WalkRaysError> {
+    let checker = Walker::new(walk, pyramid)?;
+    let format = checker.ray_format();
+    let looked_at = |(index, &ray)| match checker.admit(ray) {
+        Ok(ray) => Ok(Survey::of(ray, format)),
+        Err(problem) => Err(WalkRaysError::Ray { index, problem }),
+    };
+    let both = |left: Result<Survey, WalkRaysError>, right: Result<Survey, WalkRaysError>| {
+        Ok(left?.and(right?))
+    };
+    let survey = rays
+        .par_iter()
+        .enumerate()
+        .map(looked_at)
+        .reduce(|| Ok(Survey::default()), both)?;
+    Ok(survey.fit(walk, pyramid, format))
 }
 
 /// Column and row of a pixel in a frame of `width` columns.
@@ -234,14 +337,7 @@ pub fn walk_rays(
     rays: &[Ray<f64>],
     progress: Progress<'_>,
 ) -> Result<Vec<Hit<f64>>, WalkRaysError> {
-    let checker = Walker::new(walk, pyramid)?;
-    let fault = rays.par_iter().enumerate().find_map_first(|(index, &ray)| {
-        let problem = checker.admit(ray).err()?;
-        Some(WalkRaysError::Ray { index, problem })
-    });
-    if let Some(fault) = fault {
-        return Err(fault);
-    }
+    let walk = fit_rays(walk, pyramid, rays)?.walk;
     let mut hits = vec![UNWALKED; rays.len()];
     let ray_of = |walker: &Walker<'_>, index: usize| {
         let ray = walker.admit(rays[index]).map(Some);
@@ -365,7 +461,7 @@ mod tests {
 
     #[test]
     fn a_frame_does_not_depend_on_the_threads() {
-        for format in ["e7f16", "e5f10", "f64", "exact"] {
+        for format in ["e7f16", "e5f10", "f64", "exact", "fixed", "q6.20"] {
             let (scene, _, pyramid) = small_scene(format);
             let done = AtomicU64::new(0);
             let count = |pixels| {

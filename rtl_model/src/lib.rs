@@ -9,6 +9,7 @@
 pub mod arith;
 pub mod calibration;
 pub mod camera;
+pub mod early;
 pub mod exact;
 pub mod fixed;
 pub mod float;

@@ -116,6 +116,12 @@ impl RayRange {
         })
     }
 
+    /// The most texels that a ray of the range travels on an axis, on a map of so many on a side.
+    pub fn most_texels(&self, size: u32) -> f64 {
+        let most = [self.0.du, self.0.dv].map(|range| range.low.abs().max(range.high.abs()));
+        most[0].max(most[1]) * f64::from(size)
+    }
+
     /// The range of each number.
     pub fn intervals(&self) -> Ray<Interval> {
         self.0

@@ -6,7 +6,9 @@
 //! reduces the entry to the first repeat of the map, [0, 1). [`Walker::walk`] then rounds each
 //! number once: `u` and `v` toward zero, so that an entry stays in the first repeat and in its
 //! texel or before it; `du` and `dv` to nearest ([`NumberFormat`]). In `f64` and in exact numbers
-//! nothing is lost. The walk that follows is the ray's so rounded, and so is its hit.
+//! nothing is lost. In fixed point the ray is quantised ([`RayFormat`]), and saturates where the
+//! format was told and is too narrow. The walk that follows is the ray's so rounded, and so is its
+//! hit.
 
 use thiserror::Error;
 
@@ -14,14 +16,18 @@ use crate::camera::Surface;
 use crate::float::{FloatFormat, Rounding};
 use crate::maps::Pyramid;
 use crate::ray::{self, Ray, RayError};
+use crate::ray_format::{RayFormat, RayFormatError};
 use crate::readings::{E7F16, ExactReading, F64Reading, FloatReading, NumberFormat, enter};
 use crate::scene::{Crossing, Family, LinearSearch, Method, Walk, WalkFormat};
+use crate::units::fixed_traverse::fixed_walk;
 use crate::units::linear_ray::{LINEAR_SAMPLES, LinearRay, NOMINAL_DEPTH, SampleRange};
 use crate::units::linear_walk::{first_sample_below, pom_walk, relief_walk};
 use crate::units::offset_walk::{offset_shape_for, walk_by_offset};
 use crate::units::search_policy::SearchPolicy;
 use crate::units::traverse::{self, Hit};
 use crate::units::wide::{wide_shape_for, wide_walk};
+use crate::units::wide_fixed::wide_fixed_walk;
+use crate::units::wide_fixed_step::WideFixedShape;
 
 /// Why a ray cannot be walked in a format.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -77,6 +83,9 @@ pub enum WalkerError {
         /// What is the matter, and the way out.
         why: &'static str,
     },
+    /// No exact walk through this map has slopes in this format.
+    #[error(transparent)]
+    RayFormat(#[from] RayFormatError),
 }
 
 /// The readings that a walk can be computed in. Each is compiled on its own, so the choice costs
@@ -86,6 +95,8 @@ enum Reading {
     Float(FloatReading<FloatFormat>),
     F64(F64Reading),
     Exact(ExactReading),
+    /// Integers, which need no reading.
+    Fixed(RayFormat),
 }
 
 /// Walks rays through one map. It keeps what its reading needs from ray to ray, so that walking
@@ -119,7 +130,16 @@ impl Way {
     pub(crate) const OH: Way = Way::Nodes(SearchPolicy::OH);
 
     fn of(walk: Walk) -> Result<Way, WalkerError> {
+        let is_fixed = matches!(walk.format, WalkFormat::Fixed(_));
         match (walk.method.family(), walk.crossing) {
+            (Family::Linear(_), _) if is_fixed => Err(WalkerError::Unsupported {
+                walk,
+                why: "a method that samples is not exact in any format; take a float, such as e7f16",
+            }),
+            (_, Crossing::Offset(_)) if is_fixed => Err(WalkerError::Unsupported {
+                walk,
+                why: "in fixed point no position is rounded into a node; leave the crossing out",
+            }),
             (Family::Nodes(policy), Crossing::Index) => Ok(Way::Nodes(policy)),
             (Family::Wide { log2_side }, Crossing::Index) => Ok(Way::Wide { log2_side }),
             (Family::Nodes(policy), Crossing::Offset(offset)) => {
@@ -142,7 +162,8 @@ impl Way {
 }
 
 impl<'a> Walker<'a> {
-    /// A walker of this method and format through the map under `pyramid`, for any rays.
+    /// A walker of this method and format through the map under `pyramid`, for any rays. Fixed point
+    /// without a format takes the one that holds every ray.
     ///
     /// # Errors
     /// If method, format and crossing do not go together, or the method needs the pixels of a frame.
@@ -162,7 +183,7 @@ impl<'a> Walker<'a> {
     /// A walker for the rays of a frame on this surface.
     ///
     /// # Errors
-    /// If method, format and crossing do not go together.
+    /// If method, format and crossing do not go together, or format and map.
     pub(crate) fn for_frame(
         walk: Walk,
         pyramid: &'a Pyramid,
@@ -184,12 +205,8 @@ impl<'a> Walker<'a> {
             WalkFormat::Float(format) => Reading::Float(FloatReading(format)),
             WalkFormat::F64 => Reading::F64(F64Reading),
             WalkFormat::Exact => Reading::Exact(ExactReading::default()),
-            WalkFormat::Fixed(_) => {
-                return Err(WalkerError::Unsupported {
-                    walk,
-                    why: "no traversal computes in fixed point so far; take a float, such as e7f16",
-                });
-            }
+            WalkFormat::Fixed(None) => Reading::Fixed(RayFormat::within_reach(pyramid)),
+            WalkFormat::Fixed(Some(format)) => Reading::Fixed(RayFormat::told(format, pyramid)?),
         };
         Ok(Walker {
             pyramid,
@@ -208,7 +225,7 @@ impl<'a> Walker<'a> {
         let format = match &self.reading {
             Reading::E7f16(reading) => reading.format(),
             Reading::Float(reading) => reading.format(),
-            Reading::F64(_) | Reading::Exact(_) => return Ok(ray),
+            Reading::F64(_) | Reading::Exact(_) | Reading::Fixed(_) => return Ok(ray),
         };
         let size = self.pyramid.size();
         let reach = ray::reach_in(format.fraction_bits);
@@ -243,6 +260,15 @@ impl<'a> Walker<'a> {
             Reading::E7f16(reading) => entered_in(reading, admitted),
             Reading::Float(reading) => entered_in(reading, admitted),
             Reading::F64(_) | Reading::Exact(_) => admitted,
+            Reading::Fixed(format) => format.entered(&format.quantise(admitted)),
+        }
+    }
+
+    /// The formats of its rays, in fixed point.
+    pub fn ray_format(&self) -> Option<RayFormat> {
+        match self.reading {
+            Reading::Fixed(format) => Some(format),
+            _ => None,
         }
     }
 
@@ -254,6 +280,7 @@ impl<'a> Walker<'a> {
             Reading::Float(reading) => walk_in(reading, self.way, self.pyramid, admitted),
             Reading::F64(reading) => walk_in(reading, self.way, self.pyramid, admitted),
             Reading::Exact(reading) => walk_in(reading, self.way, self.pyramid, admitted),
+            Reading::Fixed(format) => walk_fixed(*format, self.way, self.pyramid, admitted),
         }
     }
 }
@@ -272,6 +299,7 @@ impl Walker<'_> {
             Reading::Float(reading) => first(reading, self.pyramid, admitted),
             Reading::F64(reading) => first(reading, self.pyramid, admitted),
             Reading::Exact(reading) => first(reading, self.pyramid, admitted),
+            Reading::Fixed(_) => unreachable!("sampling is refused in fixed point"),
         }
     }
 
@@ -293,8 +321,25 @@ impl Walker<'_> {
             Reading::Float(reading) => search(reading, self.pyramid, admitted, samples),
             Reading::F64(reading) => search(reading, self.pyramid, admitted, samples),
             Reading::Exact(reading) => search(reading, self.pyramid, admitted, samples),
+            Reading::Fixed(_) => unreachable!("sampling is refused in fixed point"),
         }
     }
+}
+
+/// Walks an admitted ray in fixed point.
+fn walk_fixed(format: RayFormat, way: Way, pyramid: &Pyramid, ray: Ray<f64>) -> Hit<f64> {
+    let (words, ray) = (format.shape(), format.quantise(ray));
+    let hit = match way {
+        Way::Nodes(policy) => fixed_walk(words, policy, pyramid.memory(), &ray),
+        Way::Wide { log2_side } => {
+            let shape = WideFixedShape { words, log2_side };
+            wide_fixed_walk(shape, pyramid.lines(log2_side), &ray)
+        }
+        Way::Offset(..) | Way::Linear { .. } => {
+            unreachable!("refused when the walker was made")
+        }
+    };
+    hit.to_hit(words, &ray)
 }
 
 /// The ray as a reading holds it.

@@ -108,7 +108,8 @@ pub struct Replacements {
     pub map: MapOptions,
 
     /// Replace the scene's number format: eXfY with X exponent and Y fraction bits, such as e7f16,
-    /// or f64, or exact; of a fixed-point operator qI.F or uqI.F, such as q4.12
+    /// or f64, or exact, or fixed point: fixed, or qI.F with the slopes' bits, such as q8.20; of a
+    /// fixed-point operator qI.F or uqI.F, such as q4.12
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<NumberFormat>,
 

@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use rtl_model::frame::Counts;
+use rtl_model::early::EarlyBound;
+use rtl_model::frame::{Counts, Fit};
 use rtl_model::maps::MapSource;
 use rtl_model::scene::Walk;
 
@@ -24,6 +25,10 @@ pub struct WalkSummary {
     guards: u64,
     steps: StepCounts,
     crossings: CrossingCounts,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ray_format: Option<RayFormatSummary>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    early_bound: Option<EarlyBoundSummary>,
     seconds: f64,
     simulator: Option<String>,
     mismatches: Option<u64>,
@@ -37,6 +42,25 @@ struct StepCounts {
     total: u64,
     mean: Option<f64>,
     max: u32,
+}
+
+/// The formats of rays in fixed point, and why.
+#[derive(Debug, Serialize)]
+struct RayFormatSummary {
+    slopes: String,
+    entries: String,
+    reasons: [String; 3],
+    saturated: u64,
+    #[serde(skip)]
+    text: String,
+}
+
+/// How much earlier than the exact hit an answer can be; null where nothing is promised.
+#[derive(Debug, Serialize)]
+struct EarlyBoundSummary {
+    text: String,
+    depth: Option<f64>,
+    missed_texels: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -70,6 +94,8 @@ impl WalkSummary {
                 total: counts.crossings,
                 mean: counts.mean_crossings(),
             },
+            ray_format: None,
+            early_bound: None,
             seconds: time.as_secs_f64(),
             simulator: None,
             mismatches: None,
@@ -79,27 +105,76 @@ impl WalkSummary {
         }
     }
 
+    /// With what the rays made of the walk: their formats in fixed point, and the bound on how
+    /// early an answer can be.
+    pub fn fitted(mut self, fit: &Fit) -> WalkSummary {
+        self.ray_format = fit.ray_format.map(|format| RayFormatSummary {
+            slopes: format.slope.to_string(),
+            entries: format.entry().to_string(),
+            reasons: format.reasons(),
+            saturated: fit.saturated,
+            text: format.to_string(),
+        });
+        let bound = EarlyBound::of(fit.walk, fit.most_texels);
+        let (depth, missed_texels) = match bound {
+            EarlyBound::Float {
+                depth,
+                missed_texels,
+            } => (Some(depth), Some(missed_texels)),
+            EarlyBound::Nearest | EarlyBound::LastPlace => (Some(0.0), Some(0.0)),
+            EarlyBound::Measured | EarlyBound::None => (None, None),
+        };
+        self.early_bound = Some(EarlyBoundSummary {
+            text: bound.to_string(),
+            depth,
+            missed_texels,
+        });
+        self
+    }
+
     /// The lines of the table that every walk has.
     pub fn rows(&self) -> Vec<(&'static str, String)> {
         let mean = |mean: Option<f64>| mean.map_or("none".to_owned(), |mean| format!("{mean:.2}"));
         let rate = self.rays as f64 / self.seconds.max(1e-9);
-        vec![
-            ("walk", format!("{} in {}", self.method, self.format)),
+        let mut rows = vec![("walk", format!("{} in {}", self.method, self.format))];
+        if let Some(format) = &self.ray_format {
+            rows.push(("ray format", format.text.clone()));
+            rows.extend(format.reasons.iter().map(|reason| ("", reason.clone())));
+            rows.push((
+                "saturated",
+                format!("{} of {} rays", format.saturated, self.rays),
+            ));
+        }
+        rows.extend([
             (
                 "steps",
                 format!("{} mean, {} max", mean(self.steps.mean), self.steps.max),
             ),
             ("crossings", format!("{} mean", mean(self.crossings.mean))),
             ("guards", self.guards.to_string()),
-            (
-                "time",
-                format!("{:.3} s, {} rays/s", self.seconds, rounded(rate)),
-            ),
-        ]
+        ]);
+        if let Some(bound) = &self.early_bound {
+            rows.push(("early by", bound.text.clone()));
+        }
+        rows.push((
+            "time",
+            format!("{:.3} s, {} rays/s", self.seconds, rounded(rate)),
+        ));
+        rows
     }
 
     /// Agreed, unless a walk ended without a hit: then the person is told.
+    ///
+    /// Rays that were saturated are told too: what was walked for them is another ray.
     pub fn outcome(&self) -> Outcome {
+        if let Some(format) = &self.ray_format
+            && format.saturated > 0
+        {
+            terminal::complain(&format!(
+                "{} of {} rays have a slope beyond {} and were walked with its largest: take                  --format fixed, which is chosen from the rays, or more integer bits",
+                format.saturated, self.rays, format.slopes
+            ));
+        }
         if self.guards == 0 {
             return Outcome::Agreed;
         }

@@ -127,10 +127,7 @@ fn what_cannot_be_is_refused_with_the_way_out() {
             "such as e7f16",
         ),
         (&["--unit", "fixed_plus"], "fixed_reciprocal"),
-        (
-            &["scenes/small.toml", "--format", "q4.4"],
-            "no traversal computes in fixed point",
-        ),
+        (&["scenes/small.toml", "--format", "q4.4"], "format q4.4"),
     ] {
         let output = run(&[&["verify"], arguments].concat());
         let message = String::from_utf8_lossy(&output.stderr).into_owned();

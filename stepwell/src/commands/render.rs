@@ -78,10 +78,11 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
         walk: WalkSummary::new(
             "stepwell-render-1",
             &scene.map.source,
-            scene.walk,
+            frame.fit.walk,
             &frame.counts,
             time,
-        ),
+        )
+        .fitted(&frame.fit),
         scene: scene.name,
         width: frame.width,
         height: frame.height,

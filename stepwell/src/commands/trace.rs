@@ -7,7 +7,7 @@ use anyhow::bail;
 use clap::Args;
 use serde::Serialize;
 
-use rtl_model::frame::{Counts, walk_rays};
+use rtl_model::frame::{Counts, fit_rays, walk_rays};
 use rtl_model::maps::Pyramid;
 use rtl_model::scene::{Crossing, Method, Walk, WalkFormat};
 use rtl_model::walker::Walker;
@@ -51,7 +51,8 @@ pub struct Arguments {
     #[arg(short, long, value_name = "CSV")]
     output: Option<PathBuf>,
 
-    /// Number format: eXfY with X exponent and Y fraction bits, or f64, or exact
+    /// Number format: eXfY with X exponent and Y fraction bits, or f64, or exact, or fixed
+    /// point: fixed, or qI.F with I integer bits of the slope and F fraction bits
     #[arg(long, value_name = "FORMAT", default_value = "e7f16")]
     format: WalkFormat,
 
@@ -97,19 +98,21 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     let map = source.source.load(source.channel, source.white_is_low)?;
     let pyramid = Pyramid::new(&map);
     let rays = arguments.rays.read(&Walker::new(walk, &pyramid)?)?;
+    let fit = fit_rays(walk, &pyramid, &rays)?;
     let file = output.as_deref().map(OutputFile::prepare).transpose()?;
 
     let bar = progress::bar(rays.len() as u64, "rays");
     let start = Instant::now();
     let walked = arguments
         .threads
-        .run(|| walk_rays(walk, &pyramid, &rays, &|rays| bar.inc(rays)))?;
+        .run(|| walk_rays(fit.walk, &pyramid, &rays, &|rays| bar.inc(rays)))?;
     let time = start.elapsed();
     bar.finish_and_clear();
     let hits = walked?;
 
     let counts = Counts::of(&hits);
-    let walk = WalkSummary::new("stepwell-trace-1", &source.source, walk, &counts, time);
+    let walk =
+        WalkSummary::new("stepwell-trace-1", &source.source, fit.walk, &counts, time).fitted(&fit);
     let (Some(file), Some(path)) = (file, output) else {
         terminal::answer(|output| write_hits(output, &hits))?;
         return Ok(walk.outcome());
