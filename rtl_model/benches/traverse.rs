@@ -8,20 +8,18 @@
 
 mod comparison;
 mod native;
+mod scenes;
 
 use comparison::{Target, print_missed, print_row, quickest};
 use native::{BranchFree, Literal, NativeHit, NativeWalk, RowByRow, ZOrder};
-use rtl_model::calibration::{CAMERAS, CalibratedSurface, SURFACES, real_maps};
-use rtl_model::camera::View;
 use rtl_model::instruction_set::InstructionSet;
-use rtl_model::maps::{Channel, HeightMap, MapSource, Pyramid};
+use rtl_model::maps::Pyramid;
 use rtl_model::packet::PacketWalker;
-use rtl_model::ray::{self, Ray};
+use rtl_model::ray::Ray;
 use rtl_model::readings::{E7F16, F64Reading, FloatReading, NumberFormat, enter};
 use rtl_model::units::search_policy::SearchPolicy;
 use rtl_model::units::traverse::{Hit, Status, walk};
 use std::hint::black_box;
-use std::path::Path;
 
 /// Rounds of each comparison.
 const RUNS: usize = 9;
@@ -44,43 +42,8 @@ fn main() {
         "e7f16 `oh`, bit-exact, in packets ({}), 1024 x 768, one thread, nanoseconds a ray, quickest of {RUNS}",
         InstructionSet::Detected
     );
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let folder = real_maps(&root).unwrap_or_else(|missing| panic!("{missing}"));
-    if folder.is_none() {
-        println!("no real height maps: procedural ones stand in (set STEPWELL_MAPS)");
-    }
-    let mut met = Vec::new();
-    for surface in SURFACES {
-        let map = match &folder {
-            Some(folder) => HeightMap::load(&folder.join(surface.file), Channel::Alpha, false),
-            None => stand_in(&surface).load(Channel::Grey, false),
-        };
-        let pyramid = Pyramid::new(&map.expect("a height map"));
-        for (camera, view) in CAMERAS {
-            let view = View::new(&view, &surface.surface, 1024, 768);
-            let rays = view.rays(pyramid.size()).expect("rays within reach");
-            let rays: Vec<Ray<f64>> = rays
-                .into_iter()
-                .flatten()
-                .map(|ray| ray::check(ray, pyramid.size()).expect("a ray within reach"))
-                .collect();
-            let name = format!("{}, {camera}", surface.name);
-            let is_main = surface.name == "rocks" && camera == "oblique";
-            met.extend(scene(&name, &pyramid, &rays, is_main));
-        }
-    }
+    let met = scenes::for_each(scene);
     print_missed(&met);
-}
-
-fn stand_in(surface: &CalibratedSurface) -> MapSource {
-    let recipe = match surface.name {
-        "rocks" | "stones" => "rocks",
-        "wall" => "bricks",
-        "four" | "saint" => "spikes",
-        _ => "mountain",
-    };
-    let source = format!("procedural:{recipe}:{}:1", surface.size);
-    MapSource::parse(&source).expect("a procedural map")
 }
 
 /// The rows of a scene; of the main one the targets are higher and the rows more.

@@ -12,6 +12,7 @@ pub mod camera;
 pub mod early;
 pub mod exact;
 pub mod fixed;
+pub mod fixed_packet;
 pub mod float;
 pub mod frame;
 pub mod hard;

@@ -5,6 +5,9 @@
 //! one scene and not on another: the order of the nodes in memory, and branches or none. The fourth
 //! is the method as it is written down.
 
+// Each of the programs that share this file uses a part of it.
+#![allow(dead_code, unused_imports)]
+
 mod literal;
 mod row_by_row;
 mod z_order;

@@ -50,8 +50,8 @@
 mod corner;
 mod entry;
 mod lanes;
-mod node;
-mod number;
+pub(crate) mod node;
+pub(crate) mod number;
 mod walk;
 
 use crate::instruction_set::InstructionSet;

@@ -8,33 +8,33 @@ use crate::float::FloatFormat;
 use crate::maps::Pyramid;
 
 /// The bits of a node that index u.
-pub(super) const BITS_U: u64 = 0x5555_5555;
+pub(crate) const BITS_U: u64 = 0x5555_5555;
 /// The bits of a node that index v.
-pub(super) const BITS_V: u64 = 0xaaaa_aaaa;
+pub(crate) const BITS_V: u64 = 0xaaaa_aaaa;
 
 /// What [`step_by`] adds for one node onwards on this axis.
 #[inline(always)]
-pub(super) fn onward(axis: u64) -> u64 {
+pub(crate) fn onward(axis: u64) -> u64 {
     axis & axis.wrapping_neg()
 }
 
 /// What [`step_by`] adds for one node back: all the axis's bits, which is minus one in them.
 #[inline(always)]
-pub(super) fn backward(axis: u64) -> u64 {
+pub(crate) fn backward(axis: u64) -> u64 {
     axis
 }
 
 /// The neighbour of a node. `kept` has ones where the node's bits stay: the other axis, and from the
 /// level's leading one upwards; `amount` is [`onward`] or [`backward`]. The index wraps.
 #[inline(always)]
-pub(super) fn step_by(node: u64, kept: u64, amount: u64) -> u64 {
+pub(crate) fn step_by(node: u64, kept: u64, amount: u64) -> u64 {
     // Ones in the bits that stay hand the carry on.
     ((node | kept).wrapping_add(amount) & !kept) | (node & kept)
 }
 
 /// Index on u of a node of level 0; shift the node right by one for v.
 #[inline(always)]
-pub(super) fn index_of(node: u64, size: u32) -> u32 {
+pub(crate) fn index_of(node: u64, size: u32) -> u32 {
     let mut bits = node & BITS_U;
     bits = (bits | (bits >> 1)) & 0x3333_3333;
     bits = (bits | (bits >> 2)) & 0x0f0f_0f0f;
@@ -45,7 +45,7 @@ pub(super) fn index_of(node: u64, size: u32) -> u32 {
 
 /// The depth of every node, as e7f16 has it, at the node's place in Z order.
 #[derive(Clone, Debug)]
-pub(super) struct NodeDepths {
+pub(crate) struct NodeDepths {
     depths: Vec<f32>,
 }
 
@@ -82,7 +82,7 @@ impl NodeDepths {
 }
 
 /// The bits of an index below 2^16, each followed by room for one more.
-fn interleave(index: u32) -> u32 {
+pub(crate) fn interleave(index: u32) -> u32 {
     let mut bits = index;
     bits = (bits | (bits << 8)) & 0x00ff_00ff;
     bits = (bits | (bits << 4)) & 0x0f0f_0f0f;

@@ -37,18 +37,18 @@ pub(super) fn raise(value: f64, ulps: u64) -> f64 {
 
 /// The larger: one instruction, unlike `f64::max`, which minds NaN. `b` where one is NaN.
 #[inline(always)]
-pub(super) fn larger(a: f64, b: f64) -> f64 {
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
 /// The smaller; `b` where one is NaN.
 #[inline(always)]
-pub(super) fn smaller(a: f64, b: f64) -> f64 {
+pub(crate) fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
 /// One of two values that have both been computed.
 #[inline(always)]
-pub(super) fn select<T>(condition: bool, when_true: T, when_false: T) -> T {
+pub(crate) fn select<T>(condition: bool, when_true: T, when_false: T) -> T {
     if condition { when_true } else { when_false }
 }
