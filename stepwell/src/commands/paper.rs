@@ -1,5 +1,6 @@
 //! `stepwell paper`: the papers' tables beside ours.
 
+mod offset;
 mod report;
 mod subject;
 mod table;
@@ -48,6 +49,13 @@ enum PaperTable {
     ///
     /// As table2.
     Table4(TableArguments),
+    /// What crossing a border by a small offset costs: wrong texels and hangs
+    ///
+    /// The published way to cross a border moves the position a little beyond it and finds the node
+    /// anew. Every hit is judged by the exact reference, in several formats, offsets and map sizes,
+    /// beside the index that is carried along. Exit code 1 says that the index has a late hit, a
+    /// hang, or a wrong texel in f64 or exact numbers; of an offset nothing is asked.
+    Offset(offset::OffsetArguments),
 }
 
 /// Of a table of the 2013 hardware paper.
@@ -100,5 +108,6 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
         PaperTable::Table2(arguments) => table::run(Table::CrossingProbability, arguments),
         PaperTable::Table3(arguments) => table::run(Table::LevelsDown, arguments),
         PaperTable::Table4(arguments) => table::run(Table::StepsPerPixel, arguments),
+        PaperTable::Offset(arguments) => offset::run(arguments),
     }
 }

@@ -1,0 +1,242 @@
+//! What crossing a border by a small offset costs, beside the carried index.
+
+mod report;
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::{Context, bail};
+use clap::{Args, ValueEnum};
+
+use rtl_model::calibration::{CAMERAS, SURFACES};
+use rtl_model::judge::{Truth, Verdict};
+use rtl_model::maps::{Enlargement, HeightMap, Pyramid, enlarged, tiled};
+use rtl_model::scene::{BorderOffset, Crossing, Family, Method, Walk, WalkFormat};
+use rtl_model::walker::Walker;
+
+use self::report::{Case, OffsetReport};
+use super::MapsOption;
+use super::subject::frame_rays;
+use crate::commands::Outcome;
+use crate::options::{AnswerOptions, Size, ThreadOptions};
+use crate::output::OutputFolder;
+use crate::{progress, terminal};
+
+/// Of the table of offsets.
+#[derive(Args, Debug)]
+pub struct OffsetArguments {
+    /// Pixels of each of the 21 frames; the counts of the documentation are of 256x192
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "96x72")]
+    screen: Size,
+
+    /// Number formats: repeat the option, or put commas between
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        value_delimiter = ',',
+        default_value = "f64,e7f16,e8f23"
+    )]
+    format: Vec<WalkFormat>,
+
+    /// Offsets in texels along the ray, on the axis on which that is quickest
+    #[arg(
+        long,
+        value_name = "TEXELS",
+        value_delimiter = ',',
+        value_parser = parse_offset,
+        default_value = "0.5,0.0625,0.015625,0.001,0.0001"
+    )]
+    offset: Vec<BorderOffset>,
+
+    /// Sides of the maps in texels, at least the maps' own 128 and 256
+    #[arg(
+        long,
+        value_name = "TEXELS",
+        value_delimiter = ',',
+        default_value = "256,1024,4096"
+    )]
+    map_size: Vec<u32>,
+
+    /// How maps are made larger
+    #[arg(long, value_enum, default_value_t = Larger::Tiled)]
+    larger: Larger,
+
+    /// The traversal, one that looks at a node a step
+    #[arg(long, value_name = "METHOD", default_value = "oh")]
+    method: Method,
+
+    #[command(flatten)]
+    maps: MapsOption,
+
+    /// Folder for offset.csv, offset.json and offset.png, made if missing
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+
+    #[command(flatten)]
+    threads: ThreadOptions,
+
+    #[command(flatten)]
+    answer: AnswerOptions,
+}
+
+/// How a map is made larger.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Larger {
+    /// Repeated: rays travel over as many texels as before, whose positions take more bits
+    Tiled,
+    /// Drawn larger, between the texels linearly: rays travel over more texels
+    Enlarged,
+}
+
+impl Larger {
+    fn name(self) -> &'static str {
+        match self {
+            Larger::Tiled => "tiled",
+            Larger::Enlarged => "enlarged",
+        }
+    }
+}
+
+fn parse_offset(text: &str) -> Result<BorderOffset, String> {
+    let texels = text.parse().ok().and_then(BorderOffset::new);
+    texels.ok_or_else(|| format!("`{text}` is no offset: texels above 0 and at most 1"))
+}
+
+/// The index, then the offsets, the largest first.
+fn crossings(offsets: &[BorderOffset]) -> Vec<Crossing> {
+    let mut offsets = offsets.to_vec();
+    offsets.sort_by(|a, b| b.texels().total_cmp(&a.texels()));
+    offsets.dedup();
+    let offsets = offsets.into_iter().map(Crossing::Offset);
+    std::iter::once(Crossing::Index).chain(offsets).collect()
+}
+
+/// A frame's map and rays at one size.
+struct Subject {
+    map: HeightMap,
+    pyramid: Pyramid,
+    /// Of the three cameras.
+    rays: [Vec<rtl_model::ray::Ray<f64>>; CAMERAS.len()],
+}
+
+/// Shows the table.
+pub fn run(arguments: OffsetArguments) -> anyhow::Result<Outcome> {
+    let start = Instant::now();
+    if !matches!(arguments.method.family(), Family::Nodes(_)) {
+        bail!(
+            "--method {}: a position is moved beyond a border only by methods that look at a node \
+             a step, such as oh or mixed-selective",
+            arguments.method
+        );
+    }
+    let crossings = crossings(&arguments.offset);
+    let folder = arguments.output.as_deref().map(OutputFolder::prepare);
+    let folder = folder.transpose()?;
+    let subjects = load(&arguments)?;
+    // All that can be refused is refused before anything takes long.
+    for &format in &arguments.format {
+        for &crossing in &crossings {
+            let walk = Walk {
+                method: arguments.method,
+                format,
+                crossing,
+            };
+            Walker::new(walk, &subjects[0][0].pyramid)
+                .context("choose other formats with --format, or another --method")?;
+        }
+    }
+    let cases = arguments
+        .threads
+        .run(|| judge(&arguments, &crossings, &subjects))??;
+    let report = OffsetReport::new(
+        arguments.method,
+        arguments.larger.name(),
+        arguments.screen.0,
+        cases,
+        start.elapsed(),
+    );
+    if let Some(folder) = folder {
+        folder.publish(|folder| report.save(folder))?;
+    }
+    let text = match arguments.answer.json {
+        true => crate::summary::json(&report)?,
+        false => report.text(),
+    };
+    terminal::answer(|output| output.write_all(text.as_bytes()))?;
+    Ok(report.outcome())
+}
+
+/// The seven maps at each size, with the rays of their frames.
+fn load(arguments: &OffsetArguments) -> anyhow::Result<Vec<Vec<Subject>>> {
+    let folder = arguments.maps.folder()?;
+    let size_of = |size: &u32| {
+        let subjects = SURFACES.iter().enumerate().map(|(number, calibrated)| {
+            let map = arguments.maps.load(&folder, number)?;
+            let (map, surface) = match arguments.larger {
+                Larger::Tiled => (
+                    tiled(&map, *size)?,
+                    calibrated.surface.with_tiled_map(*size / map.size()),
+                ),
+                Larger::Enlarged => (
+                    enlarged(&map, *size, Enlargement::Bilinear)?,
+                    calibrated.surface,
+                ),
+            };
+            let rays =
+                std::array::from_fn(|camera| frame_rays(&surface, camera, arguments.screen.0));
+            Ok(Subject {
+                pyramid: Pyramid::new(&map),
+                map,
+                rays,
+            })
+        });
+        subjects.collect::<anyhow::Result<Vec<_>>>()
+    };
+    let sizes = arguments.map_size.iter().map(size_of);
+    sizes.collect::<anyhow::Result<_>>().context("--map-size")
+}
+
+/// Walks every frame in every format by every crossing. Crossings share the truth of a frame.
+fn judge(
+    arguments: &OffsetArguments,
+    crossings: &[Crossing],
+    subjects: &[Vec<Subject>],
+) -> anyhow::Result<Vec<Case>> {
+    let rays: usize = subjects
+        .iter()
+        .flatten()
+        .flat_map(|subject| &subject.rays)
+        .map(Vec::len)
+        .sum();
+    let passes = arguments.format.len() * (1 + crossings.len());
+    let bar = progress::bar((rays * passes) as u64, "rays of all frames");
+    let mut cases = Vec::new();
+    for &format in &arguments.format {
+        for (&size, subjects) in arguments.map_size.iter().zip(subjects) {
+            let mut verdicts = vec![Verdict::default(); crossings.len()];
+            let mut refused = 0;
+            for subject in subjects {
+                for rays in &subject.rays {
+                    let Subject { map, pyramid, .. } = subject;
+                    let truth = Truth::of(format, map, pyramid, rays, &|rays| bar.inc(rays))?;
+                    refused += truth.refused();
+                    for (&crossing, sum) in crossings.iter().zip(&mut verdicts) {
+                        let method = arguments.method;
+                        let verdict =
+                            truth.judge_walk(method, crossing, pyramid, &|rays| bar.inc(rays))?;
+                        *sum = sum.plus(verdict);
+                        bar.inc(truth.refused());
+                    }
+                }
+            }
+            let of_size = crossings.iter().zip(verdicts);
+            cases.extend(
+                of_size.map(|(&crossing, verdict)| {
+                    Case::new(format, size, crossing, refused, &verdict)
+                }),
+            );
+        }
+    }
+    bar.finish_and_clear();
+    Ok(cases)
+}
