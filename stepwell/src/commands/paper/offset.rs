@@ -25,7 +25,7 @@ use crate::{progress, terminal};
 /// Of the table of offsets.
 #[derive(Args, Debug)]
 pub struct OffsetArguments {
-    /// Pixels of each of the 21 frames; the counts of the documentation are of 256x192
+    /// Pixels of each of the 21 frames
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "96x72")]
     screen: Size,
 
@@ -58,7 +58,7 @@ pub struct OffsetArguments {
     map_size: Vec<u32>,
 
     /// How maps are made larger
-    #[arg(long, value_enum, default_value_t = Larger::Tiled)]
+    #[arg(long, value_enum, default_value_t = Larger::Enlarged)]
     larger: Larger,
 
     /// The traversal, one that looks at a node a step
@@ -82,10 +82,11 @@ pub struct OffsetArguments {
 /// How a map is made larger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Larger {
-    /// Repeated: rays travel over as many texels as before, whose positions take more bits
-    Tiled,
     /// Drawn larger, between the texels linearly: rays travel over more texels
     Enlarged,
+    /// Repeated: rays travel over as many texels as before. All sizes look alike to a float once
+    /// the scene lies within one repeat
+    Tiled,
 }
 
 impl Larger {
