@@ -23,8 +23,22 @@ fn offsets_stand_beside_the_index() {
     let home = tempfile::tempdir().unwrap();
     let folder = home.path().join("table");
     let assert = stepwell()
-        .args(["paper", "offset", "--screen", "32x24", "--map-size", "256,1024"])
-        .args(["--format", "f64,e7f16", "--offset", "0.0001,0.5", "--json", "--maps"])
+        .args([
+            "paper",
+            "offset",
+            "--screen",
+            "32x24",
+            "--map-size",
+            "256,1024",
+        ])
+        .args([
+            "--format",
+            "f64,e7f16",
+            "--offset",
+            "0.0001,0.5",
+            "--json",
+            "--maps",
+        ])
         .arg(&maps)
         .arg("-o")
         .arg(&folder)
@@ -70,7 +84,11 @@ fn what_makes_no_table_is_refused() {
         (["--offset", "2"], "at most 1"),
         (["--maps", "/nowhere"], "/nowhere"),
     ] {
-        let assert = stepwell().args(["paper", "offset"]).args(arguments).assert().code(2);
+        let assert = stepwell()
+            .args(["paper", "offset"])
+            .args(arguments)
+            .assert()
+            .code(2);
         let message = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
         assert!(message.contains(expected), "{message}");
     }

@@ -51,7 +51,7 @@ fn measured(method: &str, size: FrameSize) -> Option<[f64; 3]> {
         println!("left out, no real height maps: set STEPWELL_MAPS");
         return None;
     };
-    let mut means = [0.0; 3];
+    let (mut means, mut steps) = ([0.0; 3], [0.0; 3]);
     for (map, calibrated) in SURFACES.iter().enumerate() {
         let path = folder.join(calibrated.file);
         let height_map = HeightMap::load(&path, Channel::Alpha, false).expect("a height map");
@@ -66,9 +66,11 @@ fn measured(method: &str, size: FrameSize) -> Option<[f64; 3]> {
             let hits = frame.hits.iter().flatten();
             assert!(hits.into_iter().all(|hit| hit.status == Status::Hit));
             *mean += wrong(&frame, &truth) / SURFACES.len() as f64;
+            let mean_steps = frame.counts.mean_steps().expect("rays");
+            steps[camera] += mean_steps / SURFACES.len() as f64;
         }
     }
-    println!("{method}: {means:.2?} % wrong texels (front, oblique, grazing)");
+    println!("{method}: {means:.2?} % wrong texels, {steps:.1?} steps (front, oblique, grazing)");
     Some(means)
 }
 

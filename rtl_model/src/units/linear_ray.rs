@@ -184,10 +184,8 @@ pub(super) fn place_at<A: Arith>(
     a.name_num("position_u", position_u);
     let position_v = a.add(NearestEven, ray.v, travelled_v);
     a.name_num("position_v", position_v);
-    let texel_i = texel(a, shape, position_u, ["texels_u", "index_i"]);
-    a.name_int("texel_i", texel_i);
-    let texel_j = texel(a, shape, position_v, ["texels_v", "index_j"]);
-    a.name_int("texel_j", texel_j);
+    let texel_i = texel(a, shape, position_u, ["texels_u", "index_i", "texel_i"]);
+    let texel_j = texel(a, shape, position_v, ["texels_v", "index_j", "texel_j"]);
     Place {
         position_u,
         position_v,
@@ -200,21 +198,30 @@ fn texel<A: Arith>(
     a: &mut A,
     shape: LinearShape,
     position: A::Num,
-    [texels, index]: [&'static str; 2],
+    [texels, index, wrapped]: [&'static str; 3],
 ) -> A::Int {
     let position = a.scale(position, shape.root_level as i32);
     a.name_num(texels, position);
     let position = a.floor(position, INDEX_BITS);
     a.name_int(index, position);
-    let size_mask = a.int_constant(i64::from(shape.size()) - 1);
-    a.int_and(position, size_mask)
+    if shape.root_level == 0 {
+        return a.int_constant(0);
+    }
+    let position = a.int_low_bits(position, shape.root_level);
+    a.name_int(wrapped, position);
+    position
 }
 
-/// The depth of a linear sample.
-pub(super) fn depth_of_sample<A: Arith>(a: &mut A, sample: A::Int, spacing: A::Num) -> A::Num {
+/// The depth of a linear sample; `name` is that of its number as a number of the format.
+pub(super) fn depth_of_sample<A: Arith>(
+    a: &mut A,
+    name: &'static str,
+    sample: A::Int,
+    spacing: A::Num,
+) -> A::Num {
     let zero = a.int_constant(0);
     let sample = a.number_from_integer(TowardZero, sample, zero);
-    a.name_num("sample_number", sample);
+    a.name_num(name, sample);
     a.mul(TowardZero, sample, spacing)
 }
 

@@ -59,7 +59,7 @@ pub const STEP_BOUND: u32 = super::linear_ray::LINEAR_SAMPLES + 1;
 
 /// The registers before the first step: at the ray's first sample.
 pub fn pom_start<A: Arith>(a: &mut A, shape: LinearShape, ray: &LinearRay<A>) -> PomWalk<A> {
-    let t = depth_of_sample(a, ray.first_sample, ray.spacing);
+    let t = depth_of_sample(a, "first_number", ray.first_sample, ray.spacing);
     a.name_num("first_depth", t);
     let place = place_at(a, shape, ray, t);
     let no = a.bit_constant(false);
@@ -156,7 +156,7 @@ pub fn pom_step<A: Arith>(
     a.name_bit("next_guard", guard);
 
     // The depth to look at next; at the end that of the hit.
-    let linear_t = depth_of_sample(a, sample, ray.spacing);
+    let linear_t = depth_of_sample(a, "sample_number", sample, ray.spacing);
     a.name_num("linear_t", linear_t);
     let t = a.select(hits, met, linear_t);
     a.name_num("reached_t", t);

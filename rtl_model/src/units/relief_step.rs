@@ -73,9 +73,9 @@ pub fn relief_start<A: Arith>(a: &mut A, shape: LinearShape, ray: &LinearRay<A>)
     let one = a.int_constant(1);
     let before = a.int_sub(ray.first_sample, one);
     a.name_int("sample_before", before);
-    let near = depth_of_sample(a, before, ray.spacing);
+    let near = depth_of_sample(a, "number_before", before, ray.spacing);
     a.name_num("depth_before", near);
-    let t = depth_of_sample(a, ray.first_sample, ray.spacing);
+    let t = depth_of_sample(a, "first_number", ray.first_sample, ray.spacing);
     a.name_num("first_depth", t);
     let place = place_at(a, shape, ray, t);
     let no = a.bit_constant(false);
@@ -165,7 +165,7 @@ pub fn relief_step<A: Arith>(
     a.name_bit("next_guard", guard);
 
     // The depth to look at next: a linear sample, or the middle; at the end that of the hit.
-    let linear_t = depth_of_sample(a, sample, ray.spacing);
+    let linear_t = depth_of_sample(a, "sample_number", sample, ray.spacing);
     a.name_num("linear_t", linear_t);
     let sum = a.add(TowardZero, near, far);
     a.name_num("near_plus_far", sum);
