@@ -5,6 +5,7 @@ use crate::frame::{WalkRaysError, walk_rays};
 use crate::judge::{JudgeError, Judgement, Truth};
 use crate::maps::Pyramid;
 use crate::scene::{Crossing, Method, Walk, WalkFormat};
+use crate::units::traverse::Hit;
 use crate::walker::Walker;
 
 /// What a walk promises of every ray that it lets in.
@@ -76,14 +77,14 @@ pub struct PreparedCase<'a> {
 }
 
 /// What came of a walk over a case.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Assessment {
     /// What is promised.
     pub promise: Promise,
     /// What is said of each ray of the case; none where the format or the unit refuses it.
     pub judgements: Vec<Option<Judgement>>,
-    /// Steps of all rays.
-    pub steps: u64,
+    /// What the walk answered for each; none where it was refused.
+    pub hits: Vec<Option<Hit<f64>>>,
 }
 
 impl Assessment {
@@ -101,6 +102,15 @@ impl Assessment {
     /// Rays that were walked.
     pub fn walked(&self) -> u64 {
         self.judgements.len() as u64 - self.refused()
+    }
+
+    /// Steps of all rays.
+    pub fn steps(&self) -> u64 {
+        self.hits
+            .iter()
+            .flatten()
+            .map(|hit| u64::from(hit.steps))
+            .sum()
     }
 
     /// Is every ray that was walked right, and was there one?
@@ -162,15 +172,17 @@ impl<'a> PreparedCase<'a> {
             WalkRaysError::Walk(problem) => JudgeError::Walk(problem),
             rays => JudgeError::Rays(rays),
         })?;
-        let mut judgements = vec![None; self.case.rays.len()];
+        let rays = self.case.rays.len();
+        let (mut judgements, mut answers) = (vec![None; rays], vec![None; rays]);
         let judged = hits.iter().zip(self.truth.hits());
         for (&at, (hit, truth)) in self.admitted.iter().zip(judged) {
             judgements[at] = Some(Judgement::of(hit, truth, walk.format));
+            answers[at] = Some(*hit);
         }
         Ok(Assessment {
             promise: Promise::of(walk, self.pyramid.levels()),
             judgements,
-            steps: hits.iter().map(|hit| u64::from(hit.steps)).sum(),
+            hits: answers,
         })
     }
 }

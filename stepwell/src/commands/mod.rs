@@ -4,6 +4,7 @@ mod area;
 mod corpus;
 mod emit;
 mod eval;
+mod hard;
 mod paper;
 mod plan;
 mod render;
@@ -34,6 +35,7 @@ pub enum Command {
     Area(area::Arguments),
     Paper(paper::Arguments),
     Plan(plan::Arguments),
+    Hard(hard::Arguments),
     Vectors(vectors::Arguments),
     Corpus(corpus::Arguments),
 }
@@ -56,6 +58,7 @@ impl Command {
             Command::Area(arguments) => area::run(arguments),
             Command::Paper(arguments) => paper::run(arguments),
             Command::Plan(arguments) => plan::run(arguments),
+            Command::Hard(arguments) => hard::run(arguments),
         }
     }
 }
