@@ -141,16 +141,13 @@ fn every_promise_is_kept() {
         .map(|case| formats.map(|format| promises_kept(case, format)))
         .flatten_iter()
         .sum();
-    assert!(walked > 2000, "{walked}");
+    // Fifteen safe methods in five formats, and two that sample in four.
+    assert!(walked > 15 * 5 * 600, "{walked}");
 }
 
-/// Rays walked: methods and formats that do not go together walk none.
+/// Rays walked.
 fn promises_kept(case: &HardCase, format: &str) -> u64 {
-    let prepared = match PreparedCase::new(case, format.parse().unwrap()) {
-        Ok(prepared) => prepared,
-        Err(JudgeError::Walk(_)) => return 0,
-        Err(other) => panic!("{}: {other}", case.name),
-    };
+    let prepared = PreparedCase::new(case, format.parse().unwrap()).unwrap();
     let levels = [1, 3, 4].map(Method::MultiLevelDown);
     let assessments = Method::ALL.into_iter().chain(levels).map(|method| {
         match prepared.assess(method, Crossing::Index) {
@@ -159,7 +156,8 @@ fn promises_kept(case: &HardCase, format: &str) -> u64 {
                 assert_eq!(defects, [], "{} by {method} in {format}", case.name);
                 assessment.walked()
             }
-            Err(JudgeError::Walk(_)) => 0,
+            // Samplers do not walk in every format, nor a list of rays.
+            Err(JudgeError::Walk(_)) if !method.is_safe() => 0,
             Err(other) => panic!("{}: {other}", case.name),
         }
     });

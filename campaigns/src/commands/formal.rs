@@ -97,7 +97,7 @@ impl Formal {
         let judge = format!("{} + {}", prover.yosys.version, prover.solver.version);
         let mut rows = Vec::new();
         for (tier, configuration) in subjects() {
-            let wanted = tier <= self.common.tier
+            let wanted = tier <= self.common.run.tier
                 && self.common.wants_operator(configuration.operator.name())
                 && self.common.wants_format(configuration.format)
                 && self.common.wants_policy(configuration.policy);
@@ -105,10 +105,10 @@ impl Formal {
                 continue;
             }
             let row = self.row(&prover, &judge, configuration)?;
-            self.common.finish(&row)?;
+            self.common.run.finish(&row)?;
             rows.push(row);
         }
-        self.common.conclude("formal", &rows)
+        self.common.run.conclude("formal", &rows)
     }
 
     fn row(
@@ -135,7 +135,7 @@ impl Formal {
                 hardware = plant(&hardware, signal, bit.parse()?)?;
             }
             let progress = bar(1, &configuration.name());
-            let proof = self.common.in_threads(|| {
+            let proof = self.common.run.in_threads(|| {
                 prover.prove(configuration, &hardware, &|done, total| {
                     progress.set_length(total);
                     progress.inc(done);

@@ -93,12 +93,12 @@ impl Hardware {
                         continue;
                     }
                     let row = self.row(&verilator, subject)?;
-                    self.common.finish(&row)?;
+                    self.common.run.finish(&row)?;
                     rows.push(row);
                 }
             }
         }
-        self.common.conclude("hardware", &rows)
+        self.common.run.conclude("hardware", &rows)
     }
 
     fn row(&self, verilator: &Verilator, subject: OperatorConfiguration) -> anyhow::Result<Row> {
@@ -111,7 +111,7 @@ impl Hardware {
             rounding,
             ..subject
         };
-        let tier = self.common.tier;
+        let tier = self.common.run.tier;
         let count = self
             .cases
             .unwrap_or(tier.of(100_000, 100_000_000, 1_000_000_000));

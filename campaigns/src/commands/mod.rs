@@ -3,6 +3,7 @@
 mod formal;
 mod hardware;
 mod routes;
+mod small_worlds;
 mod softfloat;
 
 use std::io::{self, ErrorKind, Write};
@@ -28,6 +29,8 @@ pub enum Command {
     Hardware(hardware::Hardware),
     /// Hardware operators proven equal to plain specifications by a SAT solver
     Formal(formal::Formal),
+    /// Every ray of small formats through every small map, by every method, against the exact hit
+    SmallWorlds(small_worlds::SmallWorlds),
 }
 
 impl Command {
@@ -38,16 +41,16 @@ impl Command {
             Command::Routes(command) => command.run(),
             Command::Hardware(command) => command.run(),
             Command::Formal(command) => command.run(),
+            Command::SmallWorlds(command) => command.run(),
         }
     }
 }
 
-/// What every campaign takes.
+/// What every campaign of operators takes.
 #[derive(Args)]
 pub struct Common {
-    /// How much is tried
-    #[arg(long, value_enum, default_value_t = Tier::Quick)]
-    tier: Tier,
+    #[command(flatten)]
+    run: Run,
     /// Only this operator, such as add; may be given several times
     #[arg(long)]
     operator: Vec<String>,
@@ -60,15 +63,6 @@ pub struct Common {
     /// Only this policy: flush or full
     #[arg(long)]
     policy: Option<Policy>,
-    /// Threads; 0 is one a core
-    #[arg(long, default_value_t = 0)]
-    threads: usize,
-    /// The result as JSON on standard output
-    #[arg(long)]
-    json: bool,
-    /// Put the result into this file's table
-    #[arg(long, value_name = "FILE")]
-    record: Option<PathBuf>,
 }
 
 impl Common {
@@ -91,7 +85,26 @@ impl Common {
             |rounding: &Rounding| self.rounding.is_empty() || self.rounding.contains(rounding);
         Rounding::ALL.into_iter().filter(wanted).collect()
     }
+}
 
+/// What every campaign takes: how much, how fast, and where the result goes.
+#[derive(Args)]
+pub struct Run {
+    /// How much is tried
+    #[arg(long, value_enum, default_value_t = Tier::Quick)]
+    tier: Tier,
+    /// Threads; 0 is one a core
+    #[arg(long, default_value_t = 0)]
+    threads: usize,
+    /// The result as JSON on standard output
+    #[arg(long)]
+    json: bool,
+    /// Put the result into this file's table
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+}
+
+impl Run {
     /// Runs in as many threads as were asked for.
     fn in_threads<T: Send>(&self, run: impl FnOnce() -> T + Send) -> anyhow::Result<T> {
         let pool = rayon::ThreadPoolBuilder::new()

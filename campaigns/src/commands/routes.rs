@@ -48,13 +48,13 @@ impl Routes {
                         && self.common.wants_operator(&operation.to_string());
                     if wanted {
                         let row = self.row(format, policy, operation)?;
-                        self.common.finish(&row)?;
+                        self.common.run.finish(&row)?;
                         rows.push(row);
                     }
                 }
             }
         }
-        self.common.conclude("routes", &rows)
+        self.common.run.conclude("routes", &rows)
     }
 
     fn row(
@@ -67,7 +67,7 @@ impl Routes {
         // Small formats are tried in full in every tier.
         let least = if format.width() <= 10 { 1 << 20 } else { 0 };
         // Four roundings: two hundred million pairs an operator.
-        let tier = self.common.tier.of(500_000, 50_000_000, 500_000_000);
+        let tier = self.common.run.tier.of(500_000, 50_000_000, 500_000_000);
         let cases = self.cases.unwrap_or(tier.max(least));
         let progress = bar(
             cases * roundings.len() as u64,
@@ -78,7 +78,7 @@ impl Routes {
         let mut first = Vec::new();
         for &rounding in &roundings {
             let arithmetic = format.arithmetic(policy, rounding);
-            let run = self.common.in_threads(|| {
+            let run = self.common.run.in_threads(|| {
                 let count = &|done| progress.inc(done);
                 compare(
                     arithmetic,

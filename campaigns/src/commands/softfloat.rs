@@ -78,11 +78,11 @@ mod supported {
                         continue;
                     }
                     let row = self.row(format, policy, operation)?;
-                    self.common.finish(&row)?;
+                    self.common.run.finish(&row)?;
                     rows.push(row);
                 }
             }
-            self.common.conclude("softfloat", &rows)
+            self.common.run.conclude("softfloat", &rows)
         }
 
         fn row(
@@ -96,7 +96,7 @@ mod supported {
             let substantial = if native { 100_000_000 } else { 20_000_000 };
             let cases =
                 self.cases
-                    .unwrap_or(self.common.tier.of(100_000, substantial, 1_000_000_000));
+                    .unwrap_or(self.common.run.tier.of(100_000, substantial, 1_000_000_000));
             let roundings = match operation.rounds() {
                 true => self.common.roundings(),
                 false => vec![Rounding::NearestEven],
@@ -108,7 +108,7 @@ mod supported {
             let mut first = Vec::new();
             for &rounding in &roundings {
                 let arithmetic = format.arithmetic(policy, rounding);
-                let (own, all) = self.common.in_threads(|| {
+                let (own, all) = self.common.run.in_threads(|| {
                     compare(arithmetic, operation, cases, self.seed, &|done| {
                         progress.inc(done)
                     })
