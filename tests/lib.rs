@@ -2,3 +2,4 @@
 //! they share.
 
 pub mod command_line;
+pub mod subjects;

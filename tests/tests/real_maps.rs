@@ -1,50 +1,18 @@
-//! The walk against the exact reference, and its mean steps against the 2013 hardware paper, on the
+//! Method `oh` against the exact reference, and its mean steps against the 2013 hardware paper, on the
 //! real height maps at the three calibrated cameras.
 //!
 //! Where there are no real maps the same is asked of a procedural one; in CI that is a failure.
 
 use rayon::prelude::*;
-use rtl_model::calibration::{CAMERAS, SURFACES, real_maps};
-use rtl_model::camera::{Surface, View};
+use rtl_model::calibration::CAMERAS;
 use rtl_model::exact::exact_hit;
-use rtl_model::maps::{Channel, HeightMap, MapSource, Pyramid};
+use rtl_model::maps::{HeightMap, Pyramid};
 use rtl_model::ray::Ray;
 use rtl_model::readings::{E7F16, F64Reading, FloatReading, NumberFormat, enter};
 use rtl_model::units::search_policy::SearchPolicy;
 use rtl_model::units::traverse::{Status, walk};
 use std::cmp::Ordering;
-
-/// A map with the surface it is seen on.
-struct Subject {
-    name: String,
-    map: HeightMap,
-    surface: Surface,
-    is_real: bool,
-}
-
-fn subjects() -> Vec<Subject> {
-    let found = real_maps(tests::command_line::workspace()).expect("in CI the real maps are there");
-    let Some(folder) = found else {
-        println!("no real height maps: a procedural one stands in (set STEPWELL_MAPS)");
-        let source = MapSource::parse("procedural:rocks:256:1").expect("a procedural map");
-        return vec![Subject {
-            name: source.to_string(),
-            map: source.load(Channel::Grey, false).expect("a procedural map"),
-            surface: SURFACES[0].surface,
-            is_real: false,
-        }];
-    };
-    SURFACES
-        .iter()
-        .map(|calibrated| Subject {
-            name: calibrated.name.to_owned(),
-            map: HeightMap::load(&folder.join(calibrated.file), Channel::Alpha, false)
-                .expect("a height map of the paper"),
-            surface: calibrated.surface,
-            is_real: true,
-        })
-        .collect()
-}
+use tests::subjects::{frame, subjects};
 
 #[derive(Clone, Debug, Default)]
 struct Tally {
@@ -102,12 +70,6 @@ fn judge<R: NumberFormat + Default>(map: &HeightMap, rays: &[Ray<f64>]) -> Tally
             tally
         })
         .reduce(Tally::default, Tally::plus)
-}
-
-fn frame(subject: &Subject, camera: usize, width: u32, height: u32) -> Vec<Ray<f64>> {
-    let view = View::new(&CAMERAS[camera].1, &subject.surface, width, height);
-    let rays = view.rays(subject.map.size()).expect("rays within reach");
-    rays.into_iter().flatten().collect()
 }
 
 #[test]
