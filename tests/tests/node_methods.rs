@@ -119,7 +119,7 @@ fn e7f16_errs_rarely_and_never_late() {
     for method in methods() {
         let verdict = all(&verdicts[&method]);
         let wrong = 100.0 * verdict.wrong_share().expect("rays");
-        println!("{method:20} {} rays, {wrong:.4} % wrong", verdict.rays);
+        println!("{method}: {} rays, {wrong:.4} % wrong", verdict.rays);
         assert!(wrong <= 0.05, "{method}: {wrong} % wrong");
     }
 }
