@@ -1,17 +1,59 @@
-//! The wide walk in exact fixed point is the very hit of the quantised ray: texel, depth and side,
-//! whatever ties there are; it reads the lines that the exact reading reads; and a step with a
-//! fault is seen.
+//! The wide and the window walk in exact fixed point are the very hit of the quantised ray: texel, depth and side,
+//! whatever ties there are; they read what the exact reading reads; and a fault is seen.
 
 use rtl_model::exact::exact_hit;
 use rtl_model::maps::{HeightMap, Pyramid};
 use rtl_model::ray::{REACH_TEXELS, Ray};
-use rtl_model::ray_format::{RayFormat, RayRange};
+use rtl_model::ray_format::{QuantisedRay, RayFormat, RayRange};
 use rtl_model::readings::{ExactReading, F64Reading, NumberFormat, enter};
 use rtl_model::units::fixed_traverse::FixedHit;
-use rtl_model::units::traverse::Status;
+use rtl_model::units::traverse::{Hit, Status};
 use rtl_model::units::wide::{wide_shape_for, wide_walk};
 use rtl_model::units::wide_fixed::wide_fixed_walk;
 use rtl_model::units::wide_fixed_step::WideFixedShape;
+use rtl_model::units::window::{window_fixed_walk, window_shape_for, window_walk};
+use rtl_model::units::window_fixed_step::WindowFixedShape;
+
+/// What is read in a step.
+#[derive(Clone, Copy, Debug)]
+enum Read {
+    Line { log2_side: u32 },
+    Window,
+}
+
+const READS: [Read; 3] = [
+    Read::Line { log2_side: 1 },
+    Read::Line { log2_side: 2 },
+    Read::Window,
+];
+
+impl Read {
+    fn fixed(self, pyramid: &Pyramid, format: RayFormat, ray: &QuantisedRay) -> FixedHit {
+        let words = format.shape();
+        match self {
+            Read::Line { log2_side } => {
+                let shape = WideFixedShape { words, log2_side };
+                wide_fixed_walk(shape, pyramid.lines(log2_side), ray)
+            }
+            Read::Window => window_fixed_walk(WindowFixedShape { words }, pyramid, ray),
+        }
+    }
+
+    fn walk<R: NumberFormat>(
+        self,
+        reading: &mut R,
+        pyramid: &Pyramid,
+        ray: Ray<R::Num>,
+    ) -> Hit<R::Num> {
+        match self {
+            Read::Line { log2_side } => {
+                let shape = wide_shape_for(pyramid, log2_side);
+                wide_walk(reading, shape, pyramid.lines(log2_side), ray)
+            }
+            Read::Window => window_walk(reading, pyramid, ray),
+        }
+    }
+}
 
 /// Seeded numbers.
 struct Numbers(u64);
@@ -80,17 +122,13 @@ fn check(
     map: &HeightMap,
     pyramid: &Pyramid,
     format: RayFormat,
-    log2_side: u32,
+    read: Read,
     admitted: Ray<f64>,
 ) -> Result<FixedHit, String> {
-    let shape = WideFixedShape {
-        words: format.shape(),
-        log2_side,
-    };
     let ray = format.quantise(admitted);
-    let hit = wide_fixed_walk(shape, pyramid.lines(log2_side), &ray);
+    let hit = read.fixed(pyramid, format, &ray);
     let truth = exact_hit(map, format.entered(&ray)).expect("a quantised ray");
-    let full = i128::from(shape.words.full_height());
+    let full = i128::from(format.shape().full_height());
     let same_depth = i128::from(hit.depth_numerator) * truth.t.denominator
         == truth.t.numerator * i128::from(hit.depth_denominator) * full;
     let right = (hit.i, hit.j, hit.side) == (truth.i, truth.j, truth.side)
@@ -115,16 +153,15 @@ fn every_hit_is_that_of_the_definition() {
             let ray = ray(&mut numbers, map.size());
             let narrow = RayFormat::for_rays(&RayRange::of(ray), &pyramid);
             for format in [RayFormat::within_reach(&pyramid), narrow] {
-                for log2_side in [1, 2] {
-                    check(&map, &pyramid, format, log2_side, ray).unwrap_or_else(|fault| {
-                        panic!("map {seed}, side {}: {fault}", 1 << log2_side)
-                    });
+                for read in READS {
+                    check(&map, &pyramid, format, read, ray)
+                        .unwrap_or_else(|fault| panic!("map {seed}, {read:?}: {fault}"));
                     checked += 1;
                 }
             }
         }
     }
-    assert_eq!(checked, 140 * 4_000);
+    assert_eq!(checked, 140 * 6_000);
 }
 
 #[test]
@@ -137,12 +174,11 @@ fn lines_read_are_those_of_the_exact_reading() {
         for _ in 0..100 {
             let admitted = ray(&mut numbers, map.size());
             let entered = format.entered(&format.quantise(admitted));
-            for log2_side in [1, 2] {
-                let hit = check(&map, &pyramid, format, log2_side, admitted).unwrap();
+            for read in READS {
+                let hit = check(&map, &pyramid, format, read, admitted).unwrap();
                 let mut exact = ExactReading::default();
                 let ray = enter(&mut exact, entered);
-                let shape = wide_shape_for(&pyramid, log2_side);
-                let walk = wide_walk(&mut exact, shape, pyramid.lines(log2_side), ray);
+                let walk = read.walk(&mut exact, &pyramid, ray);
                 assert_eq!((hit.i, hit.j), (walk.i, walk.j));
                 assert_eq!((hit.steps, hit.crossings), (walk.steps, walk.crossings));
                 let t = hit.to_hit(format.shape(), &format.quantise(admitted)).t;
@@ -171,12 +207,15 @@ fn the_longest_walks_end_before_the_bound() {
                 dv,
             };
             let format = RayFormat::within_reach(&pyramid);
-            for log2_side in [1, 2] {
-                let shape = wide_shape_for(&pyramid, log2_side);
-                let fixed = check(&map, &pyramid, format, log2_side, ray).expect("a hit");
-                let hit = wide_walk(&mut F64Reading, shape, pyramid.lines(log2_side), ray);
+            for read in READS {
+                let bound = match read {
+                    Read::Line { log2_side } => wide_shape_for(&pyramid, log2_side).step_bound(),
+                    Read::Window => window_shape_for(&pyramid).step_bound(),
+                };
+                let fixed = check(&map, &pyramid, format, read, ray).expect("a hit");
+                let hit = read.walk(&mut F64Reading, &pyramid, ray);
                 assert_eq!(hit.status, Status::Hit);
-                assert!(fixed.steps < shape.step_bound() && hit.steps < shape.step_bound());
+                assert!(fixed.steps < bound && hit.steps < bound, "{read:?}");
             }
         }
     }
@@ -196,7 +235,9 @@ fn the_check_sees_a_height_that_is_wrong_in_the_lines() {
         let format = RayFormat::within_reach(&pyramid);
         let faults = (0..4_000).filter(|_| {
             let ray = ray(&mut numbers, map.size());
-            check(&map, &pyramid, format, 2, ray).is_err()
+            READS
+                .iter()
+                .any(|&read| check(&map, &pyramid, format, read, ray).is_err())
         });
         seen += usize::from(faults.count() > 0);
     }

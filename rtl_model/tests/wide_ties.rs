@@ -1,4 +1,4 @@
-//! Wide walks where ties are: rays on a coarse grid that start on borders and run through corners and along
+//! Wide and window walks where ties are: rays on a coarse grid that start on borders and run through corners and along
 //! borders, over maps of equal heights, of every size from one texel on, and every ray of a small
 //! set over every map of a small set.
 
@@ -8,7 +8,21 @@ use rtl_model::ray::Ray;
 use rtl_model::readings::{E7F16, ExactReading, F64Reading, FloatReading, NumberFormat, enter};
 use rtl_model::units::traverse::Status;
 use rtl_model::units::wide::{wide_shape_for, wide_walk};
+use rtl_model::units::window::window_walk;
 use std::cmp::Ordering;
+
+/// What is read in a step.
+#[derive(Clone, Copy, Debug)]
+enum Read {
+    Line { log2_side: u32 },
+    Window,
+}
+
+const READS: [Read; 3] = [
+    Read::Line { log2_side: 1 },
+    Read::Line { log2_side: 2 },
+    Read::Window,
+];
 
 /// Seeded numbers.
 struct Numbers(u64);
@@ -67,17 +81,22 @@ struct Verdict {
 
 fn judge<R: NumberFormat>(
     reading: &mut R,
-    log2_side: u32,
+    read: Read,
     map: &HeightMap,
     rays: impl IntoIterator<Item = Ray<f64>>,
     verdict: &mut Verdict,
 ) {
     let pyramid = Pyramid::new(map);
-    let shape = wide_shape_for(&pyramid, log2_side);
     for ray in rays {
         reading.forget();
         let entered = enter(reading, ray);
-        let hit = wide_walk(reading, shape, pyramid.lines(log2_side), entered);
+        let hit = match read {
+            Read::Line { log2_side } => {
+                let shape = wide_shape_for(&pyramid, log2_side);
+                wide_walk(reading, shape, pyramid.lines(log2_side), entered)
+            }
+            Read::Window => window_walk(reading, &pyramid, entered),
+        };
         let truth = exact_hit(map, entered.map(|number| reading.to_f64(number)))
             .expect("a ray of the grid");
         let is_wrong = (hit.i, hit.j) != (truth.i, truth.j);
@@ -90,26 +109,25 @@ fn judge<R: NumberFormat>(
 }
 
 /// The verdict over maps of every level to 6 and random rays of the grid.
-fn judge_grid<R: NumberFormat>(reading: &mut R, log2_side: u32, maps: u64, rays: u64) -> Verdict {
+fn judge_grid<R: NumberFormat>(reading: &mut R, read: Read, maps: u64, rays: u64) -> Verdict {
     let mut verdict = Verdict::default();
     for seed in 1..=maps {
         let mut numbers = Numbers(0x9e37_79b9_7f4a_7c15 ^ (seed << 20));
         let map = map(&mut numbers, (seed % 7) as u32);
         let rays: Vec<_> = (0..rays).map(|_| ray(&mut numbers, map.size())).collect();
-        judge(reading, log2_side, &map, rays, &mut verdict);
+        judge(reading, read, &map, rays, &mut verdict);
     }
     verdict
 }
 
 #[test]
 fn an_exact_wide_walk_knows_every_tie() {
-    for log2_side in [1, 2] {
-        let verdict = judge_grid(&mut ExactReading::default(), log2_side, 28, 200);
+    for read in READS {
+        let verdict = judge_grid(&mut ExactReading::default(), read, 28, 200);
         assert_eq!(
             (verdict.wrong, verdict.guards),
             (0, 0),
-            "side {}: {verdict:?}",
-            1 << log2_side
+            "{read:?}: {verdict:?}"
         );
         assert_eq!(verdict.rays, 28 * 200);
     }
@@ -117,8 +135,8 @@ fn an_exact_wide_walk_knows_every_tie() {
 
 #[test]
 fn a_wide_walk_in_f64_is_right_on_the_grid() {
-    for log2_side in [1, 2] {
-        let verdict = judge_grid(&mut F64Reading, log2_side, 70, 4_000);
+    for read in READS {
+        let verdict = judge_grid(&mut F64Reading, read, 70, 4_000);
         assert_eq!(verdict.guards, 0, "{verdict:?}");
         // Quotients of grid numbers are rounded, and ties between them with it.
         assert!(verdict.wrong * 100 < verdict.rays, "{verdict:?}");
@@ -127,13 +145,12 @@ fn a_wide_walk_in_f64_is_right_on_the_grid() {
 
 #[test]
 fn a_wide_walk_in_e7f16_is_never_late_at_a_tie() {
-    for log2_side in [1, 2] {
-        let verdict = judge_grid(&mut FloatReading(E7F16), log2_side, 70, 2_000);
+    for read in READS {
+        let verdict = judge_grid(&mut FloatReading(E7F16), read, 70, 2_000);
         assert_eq!(
             (verdict.late, verdict.guards),
             (0, 0),
-            "side {}: {verdict:?}",
-            1 << log2_side
+            "{read:?}: {verdict:?}"
         );
         assert!(verdict.wrong < verdict.rays / 10, "{verdict:?}");
     }
@@ -143,7 +160,7 @@ fn a_wide_walk_in_e7f16_is_never_late_at_a_tie() {
 #[test]
 fn every_ray_of_a_small_set_is_right_over_every_small_map() {
     let heights = [0_u16, 85, 255];
-    for log2_side in [1, 2] {
+    for read in READS {
         let mut verdict = Verdict::default();
         for code in 0..81_u32 {
             let texels = (0..4).map(|n| heights[(code / 3_u32.pow(n) % 3) as usize]);
@@ -158,7 +175,7 @@ fn every_ray_of_a_small_set_is_right_over_every_small_map() {
             });
             judge(
                 &mut FloatReading(E7F16),
-                log2_side,
+                read,
                 &map,
                 rays.clone(),
                 &mut verdict,
@@ -166,13 +183,7 @@ fn every_ray_of_a_small_set_is_right_over_every_small_map() {
             assert_eq!((verdict.late, verdict.guards), (0, 0), "map {code}");
             if code % 9 == 0 {
                 let mut exact = Verdict::default();
-                judge(
-                    &mut ExactReading::default(),
-                    log2_side,
-                    &map,
-                    rays,
-                    &mut exact,
-                );
+                judge(&mut ExactReading::default(), read, &map, rays, &mut exact);
                 assert_eq!((exact.wrong, exact.guards), (0, 0), "map {code}");
             }
         }

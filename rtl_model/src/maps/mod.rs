@@ -9,6 +9,7 @@ mod noise;
 mod procedural;
 mod pyramid;
 mod source;
+mod windows;
 
 pub use error::MapError;
 pub use height_map::{HeightMap, MAX_SIZE};
@@ -18,3 +19,4 @@ pub use load::Channel;
 pub use procedural::{Pattern, Procedural};
 pub use pyramid::{Pyramid, node_address};
 pub use source::MapSource;
+pub use windows::{WINDOW_SIDE, all_windows, window};

@@ -1,7 +1,7 @@
 //! The borders of a line's columns or rows, and the depths at which a ray crosses them.
 
 use super::traverse_step::{EXACT_EXIT_ULPS, ROUNDED_EXIT_ULPS};
-use super::wide_shape::{MOST_SIDE, WideShape};
+use super::wide_shape::MOST_SIDE;
 use crate::arith::Arith;
 use crate::float::Rounding::TowardZero;
 
@@ -46,21 +46,19 @@ impl<A: Arith> Clone for Border<A> {
 
 impl<A: Arith> Copy for Border<A> {}
 
-/// The borders of the cells of block `index` on an axis, near to far: one more than cells; what is
-/// left of the array is the last one again.
+/// The borders of `side` cells in a row on an axis, from cell `first` on, near to far: one more than
+/// cells; what is left of the array is the last one again.
 pub(super) fn borders<A: Arith>(
     a: &mut A,
-    shape: WideShape,
+    side: usize,
     axis: &WideAxis<A>,
     size_exponent: A::Int,
-    index: A::Int,
+    first: A::Int,
 ) -> [Border<A>; MOST_SIDE + 1] {
-    let log2_side = a.int_constant(shape.log2_side.into());
-    let first = a.int_shift_left(index, log2_side, 2);
     let nearest = border(a, axis, 0, size_exponent, first);
     let mut borders = [nearest; MOST_SIDE + 1];
     for n in 1..=MOST_SIDE {
-        borders[n] = if n <= shape.side() {
+        borders[n] = if n <= side {
             border(a, axis, n, size_exponent, first)
         } else {
             borders[n - 1]

@@ -68,53 +68,33 @@ pub fn wide_step<A: Arith>(
     let root_level = a.int_constant(i64::from(shape.root_level));
     let size_exponent = a.int_sub(walk.level, root_level);
     a.name_int("size_exponent", size_exponent);
-    let heights = in_path_order(a, shape, ray.mirror_u, ray.mirror_v, heights);
-    let mut depths = [t; MOST_CELLS];
-    for (place, &height) in heights.iter().enumerate().take(shape.cells()) {
-        depths[place] = a.depth_from_height(height, shape.height_bits);
-        a.name_num(CELL_DEPTHS[place], depths[place]);
-    }
+    let depths = cell_depths(a, shape, ray, heights);
     let axis_u = WideAxis {
         names: &WIDE_U,
         coordinate: ray.u,
         direction: ray.du,
         exact_below: ray.exact_below_u,
     };
-    let u = borders(a, shape, &axis_u, size_exponent, walk.i);
+    let log2_side = a.int_constant(shape.log2_side.into());
+    let first_i = a.int_shift_left(walk.i, log2_side, 2);
+    let u = borders(a, shape.side(), &axis_u, size_exponent, first_i);
     let axis_v = WideAxis {
         names: &WIDE_V,
         coordinate: ray.v,
         direction: ray.dv,
         exact_below: ray.exact_below_v,
     };
-    let v = borders(a, shape, &axis_v, size_exponent, walk.j);
+    let first_j = a.int_shift_left(walk.j, log2_side, 2);
+    let v = borders(a, shape.side(), &axis_v, size_exponent, first_j);
 
     let sight = sight(a, shape, &u, &v, &depths);
     let advance = advance(a, shape, start_level, walk, &sight);
 
     // The depth of the hit, should this be one: where the ray enters the texel or meets its top,
     // and within the texel.
-    let entry_u = by_place(a, advance.column, shape, |n| u[n].depth);
-    a.name_num("entry_u", entry_u);
-    let entry_v = by_place(a, advance.row, shape, |n| v[n].depth);
-    a.name_num("entry_v", entry_v);
-    let exit_u = by_place(a, advance.column, shape, |n| u[n + 1].depth);
-    a.name_num("exit_u", exit_u);
-    let exit_v = by_place(a, advance.row, shape, |n| v[n + 1].depth);
-    a.name_num("exit_v", exit_v);
-    let mut depth = depths[0];
-    for (place, &here) in depths.iter().enumerate().take(shape.cells()).skip(1) {
-        let n = a.int_constant(place as i64);
-        let is_here = a.int_equal(advance.place, n);
-        depth = a.select(is_here, here, depth);
-    }
-    a.name_num("taken_depth", depth);
-    let entry = a.max(entry_u, entry_v);
-    a.name_num("entry_depth", entry);
-    let exit = a.min(exit_u, exit_v);
-    a.name_num("exit_depth", exit);
-    let reached = a.max(entry, depth);
-    let reached = a.min(reached, exit);
+    let place = (advance.place, advance.column, advance.row);
+    let taken = taken_depths(a, shape, place, &u, &v, &depths);
+    let reached = a.min(taken.reached, taken.exit);
     a.name_num("hit_depth", reached);
     let t = a.select(advance.hits, reached, t);
     a.name_num("next_t", t);
@@ -146,6 +126,63 @@ pub fn wide_step<A: Arith>(
     }
 }
 
+/// The depths of the cells of a line, which memory has row by row, in path order.
+pub(super) fn cell_depths<A: Arith>(
+    a: &mut A,
+    shape: WideShape,
+    ray: &RayRegisters<A>,
+    heights: &[A::Int],
+) -> [A::Num; MOST_CELLS] {
+    let heights = in_path_order(a, shape, ray.mirror_u, ray.mirror_v, heights);
+    let mut depths = [a.zero(); MOST_CELLS];
+    for (place, &height) in heights.iter().enumerate().take(shape.cells()) {
+        depths[place] = a.depth_from_height(height, shape.height_bits);
+        a.name_num(CELL_DEPTHS[place], depths[place]);
+    }
+    depths
+}
+
+/// How deep the ray is in a cell.
+pub(super) struct TakenDepths<A: Arith> {
+    /// Where it enters the cell, or meets its top if that is further.
+    pub(super) reached: A::Num,
+    /// Where it leaves the cell.
+    pub(super) exit: A::Num,
+}
+
+/// The depths of the cell at this place, column and row, none later than in truth.
+pub(super) fn taken_depths<A: Arith>(
+    a: &mut A,
+    shape: WideShape,
+    (place, column, row): (A::Int, A::Int, A::Int),
+    u: &[Border<A>; MOST_SIDE + 1],
+    v: &[Border<A>; MOST_SIDE + 1],
+    depths: &[A::Num; MOST_CELLS],
+) -> TakenDepths<A> {
+    let entry_u = by_place(a, column, shape, |n| u[n].depth);
+    a.name_num("entry_u", entry_u);
+    let entry_v = by_place(a, row, shape, |n| v[n].depth);
+    a.name_num("entry_v", entry_v);
+    let exit_u = by_place(a, column, shape, |n| u[n + 1].depth);
+    a.name_num("exit_u", exit_u);
+    let exit_v = by_place(a, row, shape, |n| v[n + 1].depth);
+    a.name_num("exit_v", exit_v);
+    let mut depth = depths[0];
+    for (n, &here) in depths.iter().enumerate().take(shape.cells()).skip(1) {
+        let n = a.int_constant(n as i64);
+        let is_here = a.int_equal(place, n);
+        depth = a.select(is_here, here, depth);
+    }
+    a.name_num("taken_depth", depth);
+    let entry = a.max(entry_u, entry_v);
+    a.name_num("entry_depth", entry);
+    let reached = a.max(entry, depth);
+    a.name_num("reached", reached);
+    let exit = a.min(exit_u, exit_v);
+    a.name_num("exit_depth", exit);
+    TakenDepths { reached, exit }
+}
+
 /// Which cells are candidates, and where the ray leaves the block.
 fn sight<A: Arith>(
     a: &mut A,
@@ -155,6 +192,33 @@ fn sight<A: Arith>(
     depths: &[A::Num; MOST_CELLS],
 ) -> Sight<A> {
     let side = shape.side();
+    let candidates = candidates(a, shape, u, v, depths);
+    // Where the two exits lie within each other's bounds, either of two blocks may hold a sliver of
+    // the ray. The one on u comes first; seen from there, its near border on u and its far border
+    // on v lie within each other's bounds, and the other block is next.
+    let u_first = a.less_equal(u[side].depth, v[side].depth);
+    a.name_bit("u_first", u_first);
+    let in_doubt = a_corner_in_doubt(a, &u[side], &v[side]);
+    a.name_bit("corner_in_doubt", in_doubt);
+    let leaves_u = a.or(u_first, in_doubt);
+    a.name_bit("leaves_u", leaves_u);
+    let leaves_back = a_corner_in_doubt(a, &u[0], &v[side]);
+    a.name_bit("leaves_back", leaves_back);
+    Sight {
+        candidates,
+        leaves_u,
+        leaves_back,
+    }
+}
+
+/// Which cells the ray passes through, and may hit, in path order.
+pub(super) fn candidates<A: Arith>(
+    a: &mut A,
+    shape: WideShape,
+    u: &[Border<A>; MOST_SIDE + 1],
+    v: &[Border<A>; MOST_SIDE + 1],
+    depths: &[A::Num; MOST_CELLS],
+) -> [A::Bit; MOST_CELLS] {
     let no = a.bit_constant(false);
     let mut candidates = [no; MOST_CELLS];
     for (place, &(column, row)) in shape.path_order().iter().enumerate() {
@@ -173,22 +237,7 @@ fn sight<A: Arith>(
         candidates[place] = a.and(on_path, within);
         a.name_bit(CANDIDATES[place], candidates[place]);
     }
-    // Where the two exits lie within each other's bounds, either of two blocks may hold a sliver of
-    // the ray. The one on u comes first; seen from there, its near border on u and its far border
-    // on v lie within each other's bounds, and the other block is next.
-    let u_first = a.less_equal(u[side].depth, v[side].depth);
-    a.name_bit("u_first", u_first);
-    let in_doubt = a_corner_in_doubt(a, &u[side], &v[side]);
-    a.name_bit("corner_in_doubt", in_doubt);
-    let leaves_u = a.or(u_first, in_doubt);
-    a.name_bit("leaves_u", leaves_u);
-    let leaves_back = a_corner_in_doubt(a, &u[0], &v[side]);
-    a.name_bit("leaves_back", leaves_back);
-    Sight {
-        candidates,
-        leaves_u,
-        leaves_back,
-    }
+    candidates
 }
 
 fn a_corner_in_doubt<A: Arith>(a: &mut A, u: &Border<A>, v: &Border<A>) -> A::Bit {

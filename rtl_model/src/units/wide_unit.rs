@@ -312,21 +312,21 @@ impl WideFixedStep {
 }
 
 /// Signals taken one after another.
-struct Row<'a, A: Arith>(&'a [Signal<A>]);
+pub(super) struct Row<'a, A: Arith>(pub(super) &'a [Signal<A>]);
 
 impl<A: Arith> Row<'_, A> {
-    fn next(&mut self) -> Signal<A> {
+    pub(super) fn next(&mut self) -> Signal<A> {
         let (&first, rest) = self.0.split_first().expect("a signal for each register");
         self.0 = rest;
         first
     }
 
-    fn integer(&mut self) -> A::Int {
+    pub(super) fn integer(&mut self) -> A::Int {
         self.next().integer()
     }
 }
 
-fn ray_of<A: Arith>(row: &mut Row<'_, A>) -> RayRegisters<A> {
+pub(super) fn ray_of<A: Arith>(row: &mut Row<'_, A>) -> RayRegisters<A> {
     RayRegisters {
         u: row.next().number(),
         v: row.next().number(),
@@ -385,7 +385,7 @@ const HEIGHTS: [&str; 16] = [
     "height_15",
 ];
 
-fn height_ports(shape: WideShape) -> Vec<(&'static str, u32)> {
+pub(super) fn height_ports(shape: WideShape) -> Vec<(&'static str, u32)> {
     HEIGHTS[..shape.cells()]
         .iter()
         .map(|&name| (name, shape.height_bits))

@@ -12,6 +12,7 @@
 use super::traverse_step::{INDEX_BITS, LEVEL_BITS};
 use super::wide_shape::{MOST_CELLS, MOST_LINE_LEVELS, WIDE_COUNTER_BITS, WideShape};
 use crate::arith::Arith;
+use crate::ray::REACH_TEXELS;
 
 /// The registers of a wide walk that change from step to step, but for what the hit's depth is.
 #[derive(Debug)]
@@ -113,6 +114,9 @@ pub(super) fn start_level<A: Arith>(
     let mut level = a.int_constant(0);
     for n in 1..shape.line_levels() {
         let higher = shape.line_level(n);
+        if 1 << shape.start_reach_log2(higher) > REACH_TEXELS as u32 {
+            break;
+        }
         let reaches = reaches(a, shape.start_reach_log2(higher));
         let higher = a.int_constant(higher.into());
         level = a.int_select(reaches, higher, level);
@@ -241,28 +245,12 @@ pub(super) fn advance<A: Arith>(
     a.name_int("taken_mask", taken_mask);
     let none_left = a.int_equal(taken_mask, zero);
     a.name_bit("none_left", none_left);
-    let below = a.int_sub(taken_mask, one);
-    let rest = a.int_and(taken_mask, below);
-    a.name_int("rest_of_mask", rest);
-    let first = a.int_sub(taken_mask, rest);
-    let first = a.int_low_bits(first, shape.cells() as u32);
-    a.name_int("first_of_mask", first);
-    let place = a.int_bit_length(first);
-    let place = a.int_sub(place, one);
-    // Bit lengths are up to the number of cells; of an empty mask the place does not matter.
-    let place = a.int_low_bits(place, 2 * shape.log2_side);
-    a.name_int("taken_place", place);
-    let (mut column, mut row) = (zero, zero);
-    for (n, &(c, r)) in shape.path_order().iter().enumerate().skip(1) {
-        let n = a.int_constant(n as i64);
-        let is_here = a.int_equal(place, n);
-        let c = a.int_constant(c as i64);
-        column = a.int_select(is_here, c, column);
-        let r = a.int_constant(r as i64);
-        row = a.int_select(is_here, r, row);
-    }
-    a.name_int("taken_column", column);
-    a.name_int("taken_row", row);
+    let First {
+        rest,
+        place,
+        column,
+        row,
+    } = first_of(a, shape, taken_mask);
 
     // Its index: that of the block it lies in, and its place there.
     let up = a.int_sub(taken_level, walk.level);
@@ -384,6 +372,48 @@ pub(super) fn wide_texel<A: Arith>(
     a.int_and(index, size_mask)
 }
 
+/// The first cell of a mask, and what the mask is without it.
+pub(super) struct First<A: Arith> {
+    pub(super) rest: A::Int,
+    /// Its place in path order, its column and its row.
+    pub(super) place: A::Int,
+    pub(super) column: A::Int,
+    pub(super) row: A::Int,
+}
+
+pub(super) fn first_of<A: Arith>(a: &mut A, shape: WideShape, taken_mask: A::Int) -> First<A> {
+    let zero = a.int_constant(0);
+    let one = a.int_constant(1);
+    let below = a.int_sub(taken_mask, one);
+    let rest = a.int_and(taken_mask, below);
+    a.name_int("rest_of_mask", rest);
+    let first = a.int_sub(taken_mask, rest);
+    let first = a.int_low_bits(first, shape.cells() as u32);
+    a.name_int("first_of_mask", first);
+    let place = a.int_bit_length(first);
+    let place = a.int_sub(place, one);
+    // Bit lengths are up to the number of cells; of an empty mask the place does not matter.
+    let place = a.int_low_bits(place, 2 * shape.log2_side);
+    a.name_int("taken_place", place);
+    let (mut column, mut row) = (zero, zero);
+    for (n, &(c, r)) in shape.path_order().iter().enumerate().skip(1) {
+        let n = a.int_constant(n as i64);
+        let is_here = a.int_equal(place, n);
+        let c = a.int_constant(c as i64);
+        column = a.int_select(is_here, c, column);
+        let r = a.int_constant(r as i64);
+        row = a.int_select(is_here, r, row);
+    }
+    a.name_int("taken_column", column);
+    a.name_int("taken_row", row);
+    First {
+        rest,
+        place,
+        column,
+        row,
+    }
+}
+
 fn cell_index<A: Arith>(
     a: &mut A,
     block: A::Int,
@@ -396,7 +426,8 @@ fn cell_index<A: Arith>(
     a.int_or(first_cell, place)
 }
 
-fn mask<A: Arith>(a: &mut A, bits: &[A::Bit]) -> A::Int {
+/// Bits as an integer, the first the lowest.
+pub(super) fn mask<A: Arith>(a: &mut A, bits: &[A::Bit]) -> A::Int {
     let zero = a.int_constant(0);
     let mut mask = zero;
     for (n, &bit) in bits.iter().enumerate() {
