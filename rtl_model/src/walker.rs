@@ -19,6 +19,7 @@ use crate::ray::{self, Ray, RayError};
 use crate::ray_format::{RayFormat, RayFormatError};
 use crate::readings::{E7F16, ExactReading, F64Reading, FloatReading, NumberFormat, enter};
 use crate::scene::{Crossing, Family, LinearSearch, Method, Walk, WalkFormat};
+use crate::units::fixed_shape::FixedShape;
 use crate::units::fixed_traverse::fixed_walk;
 use crate::units::linear_ray::{LINEAR_SAMPLES, LinearRay, NOMINAL_DEPTH, SampleRange};
 use crate::units::linear_walk::{first_sample_below, pom_walk, relief_walk};
@@ -28,6 +29,8 @@ use crate::units::traverse::{self, Hit};
 use crate::units::wide::{wide_shape_for, wide_walk};
 use crate::units::wide_fixed::wide_fixed_walk;
 use crate::units::wide_fixed_step::WideFixedShape;
+use crate::units::window::{window_fixed_walk, window_walk};
+use crate::units::window_fixed_step::WindowFixedShape;
 
 /// Why a ray cannot be walked in a format.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -114,6 +117,8 @@ pub(crate) enum Way {
     Nodes(SearchPolicy),
     /// A line of several nodes a step: `2^log2_side` on a side.
     Wide { log2_side: u32 },
+    /// A window of nodes a step, from the ray's own on.
+    Window,
     /// A node a step, found anew from a position this many texels beyond the border.
     Offset(SearchPolicy, f64),
     /// A sample a step.
@@ -142,6 +147,7 @@ impl Way {
             }),
             (Family::Nodes(policy), Crossing::Index) => Ok(Way::Nodes(policy)),
             (Family::Wide { log2_side }, Crossing::Index) => Ok(Way::Wide { log2_side }),
+            (Family::Window, Crossing::Index) => Ok(Way::Window),
             (Family::Nodes(policy), Crossing::Offset(offset)) => {
                 Ok(Way::Offset(policy, offset.texels()))
             }
@@ -149,10 +155,13 @@ impl Way {
                 search,
                 depth_in_repeats: NOMINAL_DEPTH,
             }),
-            (Family::Wide { .. }, Crossing::Offset(_)) => Err(WalkerError::Unsupported {
-                walk,
-                why: "a method that reads lines is walked by the index; leave the crossing out",
-            }),
+            (Family::Wide { .. } | Family::Window, Crossing::Offset(_)) => {
+                Err(WalkerError::Unsupported {
+                    walk,
+                    why: "a method that reads several nodes at once is walked by the index; leave \
+                          the crossing out",
+                })
+            }
             (Family::Linear(_), Crossing::Offset(_)) => Err(WalkerError::Unsupported {
                 walk,
                 why: "a method that samples crosses no border; leave the crossing out",
@@ -208,6 +217,14 @@ impl<'a> Walker<'a> {
             WalkFormat::Fixed(None) => Reading::Fixed(RayFormat::within_reach(pyramid)),
             WalkFormat::Fixed(Some(format)) => Reading::Fixed(RayFormat::told(format, pyramid)?),
         };
+        if let Reading::Fixed(format) = &reading
+            && longest_word(way, format.shape()) > MOST_WORD_BITS
+        {
+            return Err(WalkerError::Unsupported {
+                walk,
+                why: "words of its walk would have more than 63 bits: take fewer bits, or `fixed`",
+            });
+        }
         Ok(Walker {
             pyramid,
             way,
@@ -326,6 +343,18 @@ impl Walker<'_> {
     }
 }
 
+/// The most bits that a word of a fixed-point walk may have: sums of two of them are still made in 64.
+const MOST_WORD_BITS: u32 = 63;
+
+/// Bits of the longest word of a fixed-point walk, where it is longer than [`RayFormat`] checks.
+fn longest_word(way: Way, words: FixedShape) -> u32 {
+    match way {
+        Way::Wide { log2_side } => WideFixedShape { words, log2_side }.line_error_bits(),
+        Way::Window => WindowFixedShape { words }.window_error_bits(),
+        Way::Nodes(_) | Way::Offset(..) | Way::Linear { .. } => 0,
+    }
+}
+
 /// Walks an admitted ray in fixed point.
 fn walk_fixed(format: RayFormat, way: Way, pyramid: &Pyramid, ray: Ray<f64>) -> Hit<f64> {
     let (words, ray) = (format.shape(), format.quantise(ray));
@@ -335,6 +364,7 @@ fn walk_fixed(format: RayFormat, way: Way, pyramid: &Pyramid, ray: Ray<f64>) -> 
             let shape = WideFixedShape { words, log2_side };
             wide_fixed_walk(shape, pyramid.lines(log2_side), &ray)
         }
+        Way::Window => window_fixed_walk(WindowFixedShape { words }, pyramid, &ray),
         Way::Offset(..) | Way::Linear { .. } => {
             unreachable!("refused when the walker was made")
         }
@@ -363,6 +393,7 @@ pub(crate) fn walk_in<R: NumberFormat>(
             let shape = wide_shape_for(pyramid, log2_side);
             wide_walk(reading, shape, pyramid.lines(log2_side), entered)
         }
+        Way::Window => window_walk(reading, pyramid, entered),
         Way::Offset(policy, texels) => {
             let shape = offset_shape_for(pyramid, policy, texels);
             walk_by_offset(reading, shape, pyramid.memory(), entered)

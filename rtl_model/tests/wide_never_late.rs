@@ -1,6 +1,6 @@
-//! Wide walks step past no surface: on every procedural map, for rays of any direction and length
-//! within reach, in several float formats, no hit of `quad` or `block` is later than the exact one of
-//! the same ray, and every walk ends. Without its bounds a walk is late, and that is seen.
+//! Wide and window walks step past no surface: on every procedural map, for rays of any direction and length
+//! within reach, in several float formats, no hit of `quad`, `block` or `window` is later than the exact
+//! one of the same ray, and every walk ends. Without its bounds a walk is late, and that is seen.
 
 use rayon::prelude::*;
 use rtl_model::arith::Arith;
@@ -12,6 +12,7 @@ use rtl_model::readings::{FloatReading, NumberFormat};
 use rtl_model::scene::{Crossing, Method, WalkFormat};
 use rtl_model::units::traverse::{Hit, Status};
 use rtl_model::units::wide::{wide_shape_for, wide_walk};
+use rtl_model::units::window::window_walk;
 
 /// Seeded numbers from 0 to 1.
 struct Fractions(u64);
@@ -84,7 +85,7 @@ fn no_hit_is_later_than_the_exact_one() {
             let format = WalkFormat::Float(format);
             let truth = Truth::of(format, &map, &pyramid, &rays, &|_| ()).expect("a truth");
             assert_eq!(truth.refused(), 0);
-            [Method::Quad, Method::Block]
+            [Method::Quad, Method::Block, Method::Window]
                 .into_iter()
                 .map(|method| {
                     let verdict = truth
@@ -98,10 +99,10 @@ fn no_hit_is_later_than_the_exact_one() {
                     verdict
                 })
                 .reduce(Verdict::plus)
-                .expect("two methods")
+                .expect("three methods")
         })
         .reduce(Verdict::default, Verdict::plus);
-    assert_eq!(verdicts.rays as usize, 2 * 25 * RAYS);
+    assert_eq!(verdicts.rays as usize, 3 * 25 * RAYS);
     let wrong = verdicts.wrong_share().expect("a share");
     println!(
         "{} rays, {:.4} % in another texel, 0 late",
@@ -187,7 +188,8 @@ impl NumberFormat for Careless {
 #[test]
 fn a_walk_without_bounds_is_late_and_seen() {
     let format = FloatFormat::new(7, 12);
-    for log2_side in [1, 2] {
+    // Sides of lines, and a window.
+    for log2_side in [Some(1), Some(2), None] {
         let map = map("spikes", 32);
         let pyramid = Pyramid::new(&map);
         let mut fractions = Fractions(5);
@@ -195,13 +197,18 @@ fn a_walk_without_bounds_is_late_and_seen() {
         let walk_format = WalkFormat::Float(format);
         let truth = Truth::of(walk_format, &map, &pyramid, &rays, &|_| ()).expect("a truth");
         let mut careless = Careless(FloatReading(format));
-        let shape = wide_shape_for(&pyramid, log2_side);
         let hits: Vec<_> = truth
             .rays()
             .iter()
             .map(|ray| {
                 let entered = rtl_model::readings::enter(&mut careless, *ray);
-                let hit = wide_walk(&mut careless, shape, pyramid.lines(log2_side), entered);
+                let hit = match log2_side {
+                    None => window_walk(&mut careless, &pyramid, entered),
+                    Some(side) => {
+                        let shape = wide_shape_for(&pyramid, side);
+                        wide_walk(&mut careless, shape, pyramid.lines(side), entered)
+                    }
+                };
                 Hit {
                     i: hit.i,
                     j: hit.j,
@@ -215,6 +222,6 @@ fn a_walk_without_bounds_is_late_and_seen() {
             })
             .collect();
         let verdict = truth.judge(&hits);
-        assert!(verdict.late > 0, "side {}: {verdict:?}", 1 << log2_side);
+        assert!(verdict.late > 0, "{log2_side:?}: {verdict:?}");
     }
 }

@@ -36,6 +36,9 @@ pub enum Method {
     Quad,
     /// A line of 4 x 4 grandchildren is read as one word and looked at in one step.
     Block,
+    /// The 4 x 4 nodes from the ray's own on are read at once, from sixteen banks, and looked at in
+    /// one step.
+    Window,
     /// Linear steps, then binary ones (Policarpo, Oliveira and Comba 2005). May miss.
     Relief,
     /// Linear steps over a piecewise-linear profile, then a secant (Tatarchuk 2006). May miss.
@@ -55,6 +58,8 @@ pub enum Family {
         /// 1: the four children; 2: the sixteen grandchildren.
         log2_side: u32,
     },
+    /// A window of 4 x 4 nodes a step, from the ray's own node on.
+    Window,
     /// Samples along the ray, with no promise not to miss.
     Linear(LinearSearch),
 }
@@ -72,7 +77,7 @@ pub enum LinearSearch {
 
 impl Method {
     /// All of them, in the order of the documentation; of the levels down, the paper's choice.
-    pub const ALL: [Method; 15] = [
+    pub const ALL: [Method; 16] = [
         Method::Texel,
         Method::Oh,
         Method::Tevs,
@@ -85,6 +90,7 @@ impl Method {
         Method::MixedCoherent,
         Method::Quad,
         Method::Block,
+        Method::Window,
         Method::Relief,
         Method::Pom,
         Method::Dig,
@@ -108,6 +114,7 @@ impl Method {
             Method::MixedCoherent => "mixed-coherent",
             Method::Quad => "quad",
             Method::Block => "block",
+            Method::Window => "window",
             Method::Relief => "relief",
             Method::Pom => "pom",
             Method::Dig => "dig",
@@ -136,6 +143,7 @@ impl Method {
             Method::MixedCoherent => nodes(Start::WholeRay, 2, Ascent::Coherent),
             Method::Quad => Family::Wide { log2_side: 1 },
             Method::Block => Family::Wide { log2_side: 2 },
+            Method::Window => Family::Window,
             Method::Relief => Family::Linear(LinearSearch::Relief),
             Method::Pom => Family::Linear(LinearSearch::Pom),
             Method::Dig => Family::Linear(LinearSearch::Dig),

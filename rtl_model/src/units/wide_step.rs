@@ -247,7 +247,7 @@ fn a_corner_in_doubt<A: Arith>(a: &mut A, u: &Border<A>, v: &Border<A>) -> A::Bi
 }
 
 /// A number of the column or row `index` of a line.
-fn by_place<A: Arith>(
+pub(super) fn by_place<A: Arith>(
     a: &mut A,
     index: A::Int,
     shape: WideShape,

@@ -13,8 +13,8 @@ use super::traverse_step::INDEX_BITS;
 use super::wide_fixed_line::{LineAt, entered_by, fixed_line};
 use super::wide_shape::MOST_SIDE;
 use super::window_walk::{
-    WindowShape, WindowWalk, crossed, take, texel_within, window_advance, window_start_level,
-    window_walk_start,
+    WindowShape, WindowWalk, crossed, first_texel, take, texel_within, window_advance,
+    window_start_level, window_walk_start,
 };
 use crate::arith::Arith;
 
@@ -147,12 +147,6 @@ pub fn window_fixed_setup<A: Arith>(
     (ray, walk)
 }
 
-fn first_texel<A: Arith>(a: &mut A, level: A::Int, index: A::Int) -> A::Int {
-    let shift = a.int_low_bits(level, 4);
-    let texel = a.int_shift_left(index, shift, 4);
-    a.int_wrap(texel, INDEX_BITS)
-}
-
 /// One step of a walk, whose window has these heights, row by row, as memory has them: the registers
 /// after it (unchanged if it had ended before), and the answer that they stand for.
 pub fn window_fixed_step<A: Arith>(
@@ -221,7 +215,14 @@ pub fn window_fixed_step<A: Arith>(
         at_border_u,
         at_border_v,
     );
-    let texel_u = texel_within(a, "texel_below_u", texel_u, (taken.i, level), *entry_i);
+    let texel_u = texel_within(
+        a,
+        "texel_below_u",
+        texel_u,
+        (taken.i, level),
+        near_u,
+        *entry_i,
+    );
     let texel_v = texel(
         a,
         hit.position_v,
@@ -230,7 +231,14 @@ pub fn window_fixed_step<A: Arith>(
         at_border_v,
         at_border_u,
     );
-    let texel_v = texel_within(a, "texel_below_v", texel_v, (taken.j, level), *entry_j);
+    let texel_v = texel_within(
+        a,
+        "texel_below_v",
+        texel_v,
+        (taken.j, level),
+        near_v,
+        *entry_j,
+    );
 
     // Or on from where it leaves the window.
     let columns = [1, 2, 3, 4].map(|n: usize| line.u_first[n][MOST_SIDE]);

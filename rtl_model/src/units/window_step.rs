@@ -10,18 +10,22 @@
 //!   the ray has crossed by then for sure: their upper bound is not beyond the lower bound of the
 //!   far border on the other axis. At a corner in doubt that is neither of the far borders, but the
 //!   third on both axes, so that both cells beside the corner are in the next window.
+//! - A candidate that is in by doubt alone may not be on the path. Going down into it, the walk
+//!   does not count on being in its column, or row, unless that is certain: what lies on the other side of
+//!   the corner is then in the window too.
 //! - A candidate is gone down into where the ray is at the depth at which it enters it or meets
 //!   its top, whichever is later, both from below. The position there is rounded down; exactly on a border, the
 //!   ray may still hit the top of what lies before it.
 
 use super::traverse_setup::{RayRegisters, mirror_ray};
 use super::traverse_step::INDEX_BITS;
-use super::wide_border::{WIDE_U, WIDE_V, WideAxis, borders};
-use super::wide_step::{candidates, cell_depths, taken_depths};
+use super::wide_border::{Border, WIDE_U, WIDE_V, WideAxis, borders};
+use super::wide_shape::{MOST_SIDE, WideShape};
+use super::wide_step::{by_place, candidates, cell_depths, taken_depths};
 use super::wide_walk::wide_texel;
 use super::window_walk::{
-    WindowShape, WindowWalk, crossed, take, texel_within, window_advance, window_start_level,
-    window_walk_start,
+    WindowShape, WindowWalk, crossed, first_texel, take, texel_within, window_advance,
+    window_start_level, window_walk_start,
 };
 use crate::arith::Arith;
 use crate::float::Rounding::{Down, NearestEven, TowardZero};
@@ -146,9 +150,21 @@ pub fn window_step<A: Arith>(
         a.int_complement_if(yes, above)
     };
     let texel_u = texel(a, ray.u, ray.du);
-    let texel_u = texel_within(a, "texel_below_u", texel_u, (taken.i, walk.level), *entry_i);
     let texel_v = texel(a, ray.v, ray.dv);
-    let texel_v = texel_within(a, "texel_below_v", texel_v, (taken.j, walk.level), *entry_j);
+    // Not before the cell, if the ray is in its column, in its row for sure.
+    let (_, column, row) = taken.cell;
+    let (near_u, far_u) = taken_borders(a, cells, column, &u);
+    let (near_v, far_v) = taken_borders(a, cells, row, &v);
+    let in_column = a.less_equal(near_u, far_v);
+    a.name_bit("surely_in_column", in_column);
+    let in_row = a.less_than(near_v, far_u);
+    a.name_bit("surely_in_row", in_row);
+    let level = walk.level;
+    let first_u = first_below(a, level, in_column, taken.i, walk.i);
+    let first_v = first_below(a, level, in_row, taken.j, walk.j);
+    let (cell_u, cell_v) = ((taken.i, level), (taken.j, level));
+    let texel_u = texel_within(a, "texel_below_u", texel_u, cell_u, first_u, *entry_i);
+    let texel_v = texel_within(a, "texel_below_v", texel_v, cell_v, first_v, *entry_j);
     let (last_u, last_v) = (u[4].depth, v[4].depth);
     let columns = [1, 2, 3, 4].map(|n| a.less_equal(u[n].bound, last_v));
     let columns = crossed(a, "columns_crossed", columns);
@@ -182,4 +198,28 @@ pub fn window_step<A: Arith>(
         texel_i,
         texel_j,
     }
+}
+
+/// The upper bound of the near border of a window's column or row, and the lower bound of its far one.
+fn taken_borders<A: Arith>(
+    a: &mut A,
+    cells: WideShape,
+    index: A::Int,
+    borders: &[Border<A>; MOST_SIDE + 1],
+) -> (A::Num, A::Num) {
+    let near = by_place(a, index, cells, |n| borders[n].bound);
+    let far = by_place(a, index, cells, |n| borders[n + 1].depth);
+    (near, far)
+}
+
+/// The first texel of the cell taken, if the ray is there for sure; else that of the window.
+fn first_below<A: Arith>(
+    a: &mut A,
+    level: A::Int,
+    is_there: A::Bit,
+    cell: A::Int,
+    window: A::Int,
+) -> A::Int {
+    let index = a.int_select(is_there, cell, window);
+    first_texel(a, level, index)
 }

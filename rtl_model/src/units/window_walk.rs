@@ -314,21 +314,18 @@ pub(super) fn window_advance<A: Arith>(
     }
 }
 
-/// A texel no earlier than the first of a cell and the entry, and no later than the last of the cell.
+/// A texel no earlier than `first` and the entry, and no later than the last of the cell.
 pub(super) fn texel_within<A: Arith>(
     a: &mut A,
     name: &'static str,
     texel: A::Int,
     (cell, level): (A::Int, A::Int),
+    first: A::Int,
     entry: A::Int,
 ) -> A::Int {
-    let shift = a.int_low_bits(level, 4);
     let one = a.int_constant(1);
-    let first = a.int_shift_left(cell, shift, 4);
-    let first = a.int_wrap(first, INDEX_BITS);
     let next_cell = a.int_add(cell, one);
-    let after = a.int_shift_left(next_cell, shift, 4);
-    let after = a.int_wrap(after, INDEX_BITS);
+    let after = first_texel(a, level, next_cell);
     let last = a.int_sub(after, one);
     let too_far = a.int_less_than(last, texel);
     let texel = a.int_select(too_far, last, texel);
@@ -339,4 +336,11 @@ pub(super) fn texel_within<A: Arith>(
     let texel = a.int_wrap(texel, INDEX_BITS);
     a.name_int(name, texel);
     texel
+}
+
+/// The first texel of a node, on one axis.
+pub(super) fn first_texel<A: Arith>(a: &mut A, level: A::Int, index: A::Int) -> A::Int {
+    let shift = a.int_low_bits(level, 4);
+    let texel = a.int_shift_left(index, shift, 4);
+    a.int_wrap(texel, INDEX_BITS)
 }
