@@ -4,8 +4,12 @@ use rtl_model::exact::exact_hit;
 use rtl_model::frame::{walk_rays, walk_scene};
 use rtl_model::maps::{HeightMap, Pyramid};
 use rtl_model::ray::Ray;
+use rtl_model::readings::F64Reading;
 use rtl_model::scene::{Scene, Walk};
-use rtl_model::units::linear_ray::{BINARY_STEPS, LINEAR_SAMPLES, pom_samples};
+use rtl_model::units::linear_ray::{
+    BINARY_STEPS, LINEAR_SAMPLES, LinearRay, SampleRange, pom_samples,
+};
+use rtl_model::units::linear_walk::relief_walk;
 use rtl_model::units::traverse::{Hit, Status};
 use std::path::Path;
 
@@ -192,4 +196,36 @@ fn what_does_not_go_together_is_refused_with_the_reason() {
     assert!(message.contains("crosses no border"), "{message}");
     let message = refused(walk_of("pom", "fixed"));
     assert!(message.contains("fixed"), "{message}");
+}
+
+/// The judge sees a search that is not the method's: one with half the samples, and one that starts
+/// too low.
+#[test]
+fn another_search_is_seen_to_be_another() {
+    let (map, rays) = (rocks(), rays());
+    let pyramid = Pyramid::new(&map);
+    let wrong = |samples: SampleRange| {
+        let wrong = rays.iter().filter(|&&ray| {
+            let truth = exact_hit(&map, ray).expect("a ray");
+            let ray = LinearRay::enter(&mut F64Reading, ray, samples);
+            let hit = relief_walk(&mut F64Reading, &pyramid, &ray);
+            (hit.i, hit.j) != (truth.i, truth.j)
+        });
+        wrong.count()
+    };
+    let all = SampleRange::whole(LINEAR_SAMPLES);
+    let sound = wrong(all);
+    let walked = walked("relief", "f64", &map, &rays);
+    let truths = rays.iter().map(|&ray| exact_hit(&map, ray).expect("a ray"));
+    let of_method = walked
+        .iter()
+        .zip(truths)
+        .filter(|(hit, truth)| (hit.i, hit.j) != (truth.i, truth.j));
+    assert_eq!(of_method.count(), sound);
+    let half = wrong(SampleRange::whole(LINEAR_SAMPLES / 2));
+    let low = wrong(SampleRange { first: 50, ..all });
+    assert!(
+        sound < half && half < low,
+        "{sound}, {half} and {low} of 400"
+    );
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use rtl_model::early::EarlyBound;
 use rtl_model::frame::{Counts, Fit};
 use rtl_model::maps::MapSource;
-use rtl_model::scene::Walk;
+use rtl_model::scene::{Crossing, Walk};
 
 use crate::commands::Outcome;
 use crate::terminal;
@@ -21,6 +21,8 @@ pub struct WalkSummary {
     map: String,
     method: String,
     format: String,
+    /// `index`, or `offset:X`.
+    crossing: String,
     rays: u64,
     guards: u64,
     steps: StepCounts,
@@ -83,6 +85,7 @@ impl WalkSummary {
             map: map.to_string(),
             method: walk.method.to_string(),
             format: walk.format.to_string(),
+            crossing: walk.crossing.to_string(),
             rays: counts.rays,
             guards: counts.guards,
             steps: StepCounts {
@@ -132,11 +135,19 @@ impl WalkSummary {
         self
     }
 
+    fn crosses_by_offset(&self) -> bool {
+        self.crossing != Crossing::Index.to_string()
+    }
+
     /// The lines of the table that every walk has.
     pub fn rows(&self) -> Vec<(&'static str, String)> {
         let mean = |mean: Option<f64>| mean.map_or("none".to_owned(), |mean| format!("{mean:.2}"));
         let rate = self.rays as f64 / self.seconds.max(1e-9);
-        let mut rows = vec![("walk", format!("{} in {}", self.method, self.format))];
+        let mut walk = format!("{} in {}", self.method, self.format);
+        if self.crosses_by_offset() {
+            walk += &format!(", borders crossed by {}", self.crossing);
+        }
+        let mut rows = vec![("walk", walk)];
         if let Some(format) = &self.ray_format {
             rows.push(("ray format", format.text.clone()));
             rows.extend(format.reasons.iter().map(|reason| ("", reason.clone())));
@@ -178,10 +189,20 @@ impl WalkSummary {
         if self.guards == 0 {
             return Outcome::Agreed;
         }
+        let cause = match self.crosses_by_offset() {
+            true => format!(
+                "rounding in {} loses {} on this map, so that the walk stays where it is; cross by \
+                 the index",
+                self.format, self.crossing
+            ),
+            false => format!(
+                "{} is too coarse for these rays on this map, or the traversal has a defect",
+                self.format
+            ),
+        };
         terminal::complain(&format!(
-            "{} of {} rays ended at the step bound without a hit (status guard): {} is too coarse \
-             for these rays on this map, or the traversal has a defect",
-            self.guards, self.rays, self.format
+            "{} of {} rays ended at the step bound without a hit (status guard): {cause}",
+            self.guards, self.rays
         ));
         Outcome::Disagreed
     }
@@ -265,6 +286,18 @@ mod tests {
         let json: serde_json::Value = serde_json::from_str(&json(&summary(3)).unwrap()).unwrap();
         assert_eq!(json["steps"]["mean"], 12.5);
         assert_eq!((&json["guards"], &json["rays"]), (&3.into(), &8.into()));
+    }
+
+    #[test]
+    fn a_crossing_by_an_offset_is_named() {
+        let mut summary = summary(1);
+        assert!(!table(&summary.rows()).contains("crossed by"));
+        summary.crossing = "offset:0.5".to_owned();
+        let text = table(&summary.rows());
+        assert!(
+            text.contains("oh in e4f3, borders crossed by offset:0.5\n"),
+            "{text}"
+        );
     }
 
     #[test]

@@ -112,43 +112,17 @@ fn crossings(offsets: &[BorderOffset]) -> Vec<Crossing> {
     std::iter::once(Crossing::Index).chain(offsets).collect()
 }
 
-/// A frame's map and rays at one size.
-struct Subject {
-    map: HeightMap,
-    pyramid: Pyramid,
-    /// Of the three cameras.
-    rays: [Vec<rtl_model::ray::Ray<f64>>; CAMERAS.len()],
-}
-
 /// Shows the table.
 pub fn run(arguments: OffsetArguments) -> anyhow::Result<Outcome> {
     let start = Instant::now();
-    if !matches!(arguments.method.family(), Family::Nodes(_)) {
-        bail!(
-            "--method {}: a position is moved beyond a border only by methods that look at a node \
-             a step, such as oh or mixed-selective",
-            arguments.method
-        );
-    }
     let crossings = crossings(&arguments.offset);
+    check_walks(&arguments, &crossings)?;
     let folder = arguments.output.as_deref().map(OutputFolder::prepare);
     let folder = folder.transpose()?;
-    let subjects = load(&arguments)?;
-    // All that can be refused is refused before anything takes long.
-    for &format in &arguments.format {
-        for &crossing in &crossings {
-            let walk = Walk {
-                method: arguments.method,
-                format,
-                crossing,
-            };
-            Walker::new(walk, &subjects[0][0].pyramid)
-                .context("choose other formats with --format, or another --method")?;
-        }
-    }
+    let maps = load(&arguments)?;
     let cases = arguments
         .threads
-        .run(|| judge(&arguments, &crossings, &subjects))??;
+        .run(|| judge(&arguments, &crossings, &maps))??;
     let report = OffsetReport::new(
         arguments.method,
         arguments.larger.name(),
@@ -167,77 +141,109 @@ pub fn run(arguments: OffsetArguments) -> anyhow::Result<Outcome> {
     Ok(report.outcome())
 }
 
-/// The seven maps at each size, with the rays of their frames.
-fn load(arguments: &OffsetArguments) -> anyhow::Result<Vec<Vec<Subject>>> {
-    let folder = arguments.maps.folder()?;
-    let size_of = |size: &u32| {
-        let subjects = SURFACES.iter().enumerate().map(|(number, calibrated)| {
-            let map = arguments.maps.load(&folder, number)?;
-            let (map, surface) = match arguments.larger {
-                Larger::Tiled => (
-                    tiled(&map, *size)?,
-                    calibrated.surface.with_tiled_map(*size / map.size()),
-                ),
-                Larger::Enlarged => (
-                    enlarged(&map, *size, Enlargement::Bilinear)?,
-                    calibrated.surface,
-                ),
+/// Refuses what cannot be walked, before anything takes long.
+fn check_walks(arguments: &OffsetArguments, crossings: &[Crossing]) -> anyhow::Result<()> {
+    if !matches!(arguments.method.family(), Family::Nodes(_)) {
+        bail!(
+            "--method {}: a position is moved beyond a border only by methods that look at a node \
+             a step, such as oh or mixed-selective",
+            arguments.method
+        );
+    }
+    let flat = HeightMap::new("flat", 1, 8, vec![0])?;
+    let pyramid = Pyramid::new(&flat);
+    for &format in &arguments.format {
+        for &crossing in crossings {
+            let walk = Walk {
+                method: arguments.method,
+                format,
+                crossing,
             };
-            let rays =
-                std::array::from_fn(|camera| frame_rays(&surface, camera, arguments.screen.0));
-            Ok(Subject {
-                pyramid: Pyramid::new(&map),
-                map,
-                rays,
-            })
-        });
-        subjects.collect::<anyhow::Result<Vec<_>>>()
-    };
-    let sizes = arguments.map_size.iter().map(size_of);
-    sizes.collect::<anyhow::Result<_>>().context("--map-size")
+            Walker::new(walk, &pyramid)
+                .context("choose other formats with --format, or another --method")?;
+        }
+    }
+    for &size in &arguments.map_size {
+        tiled(&flat, size).with_context(|| format!("--map-size {size}"))?;
+    }
+    Ok(())
 }
 
-/// Walks every frame in every format by every crossing. Crossings share the truth of a frame.
+/// The seven maps at their own sizes, none larger than any that is asked for.
+fn load(arguments: &OffsetArguments) -> anyhow::Result<Vec<HeightMap>> {
+    let folder = arguments.maps.folder()?;
+    let numbers = 0..SURFACES.len();
+    let maps = numbers.map(|number| arguments.maps.load(&folder, number));
+    let maps = maps.collect::<anyhow::Result<Vec<_>>>()?;
+    for &size in &arguments.map_size {
+        if let Some(map) = maps.iter().find(|map| map.size() > size) {
+            tiled(map, size).with_context(|| format!("--map-size {size}"))?;
+        }
+    }
+    Ok(maps)
+}
+
+/// Walks every frame in every format by every crossing. Crossings share the truth of a frame; one
+/// map is held at a time.
 fn judge(
     arguments: &OffsetArguments,
     crossings: &[Crossing],
-    subjects: &[Vec<Subject>],
+    maps: &[HeightMap],
 ) -> anyhow::Result<Vec<Case>> {
-    let rays: usize = subjects
-        .iter()
-        .flatten()
-        .flat_map(|subject| &subject.rays)
-        .map(Vec::len)
-        .sum();
-    let passes = arguments.format.len() * (1 + crossings.len());
-    let bar = progress::bar((rays * passes) as u64, "rays of all frames");
-    let mut cases = Vec::new();
-    for &format in &arguments.format {
-        for (&size, subjects) in arguments.map_size.iter().zip(subjects) {
-            let mut verdicts = vec![Verdict::default(); crossings.len()];
-            let mut refused = 0;
-            for subject in subjects {
-                for rays in &subject.rays {
-                    let Subject { map, pyramid, .. } = subject;
-                    let truth = Truth::of(format, map, pyramid, rays, &|rays| bar.inc(rays))?;
-                    refused += truth.refused();
-                    for (&crossing, sum) in crossings.iter().zip(&mut verdicts) {
+    let screen = arguments.screen.0;
+    let (formats, sizes) = (&arguments.format, &arguments.map_size);
+    // A frame has as many rays whatever the size of its map.
+    let frames = SURFACES.iter().flat_map(|calibrated| {
+        let of_camera = |camera| frame_rays(&calibrated.surface, camera, screen).len();
+        (0..CAMERAS.len()).map(of_camera)
+    });
+    let passes = formats.len() * sizes.len() * (1 + crossings.len());
+    let bar = progress::bar(
+        (frames.sum::<usize>() * passes) as u64,
+        "rays of all frames",
+    );
+
+    // By format, then size: the verdicts of all crossings, and the rays refused.
+    let none = (vec![Verdict::default(); crossings.len()], 0);
+    let mut sums = vec![vec![none; sizes.len()]; formats.len()];
+    for (column, &size) in sizes.iter().enumerate() {
+        for (original, calibrated) in maps.iter().zip(&SURFACES) {
+            let (map, surface) = match arguments.larger {
+                Larger::Enlarged => (
+                    enlarged(original, size, Enlargement::Bilinear)?,
+                    calibrated.surface,
+                ),
+                Larger::Tiled => (
+                    tiled(original, size)?,
+                    calibrated.surface.with_tiled_map(size / original.size()),
+                ),
+            };
+            let pyramid = Pyramid::new(&map);
+            for camera in 0..CAMERAS.len() {
+                let rays = frame_rays(&surface, camera, screen);
+                for (&format, row) in formats.iter().zip(&mut sums) {
+                    let (verdicts, refused) = &mut row[column];
+                    let truth = Truth::of(format, &map, &pyramid, &rays, &|rays| bar.inc(rays))?;
+                    *refused += truth.refused();
+                    for (&crossing, sum) in crossings.iter().zip(verdicts) {
                         let method = arguments.method;
                         let verdict =
-                            truth.judge_walk(method, crossing, pyramid, &|rays| bar.inc(rays))?;
+                            truth.judge_walk(method, crossing, &pyramid, &|rays| bar.inc(rays))?;
                         *sum = sum.plus(verdict);
                         bar.inc(truth.refused());
                     }
                 }
             }
-            let of_size = crossings.iter().zip(verdicts);
-            cases.extend(
-                of_size.map(|(&crossing, verdict)| {
-                    Case::new(format, size, crossing, refused, &verdict)
-                }),
-            );
         }
     }
     bar.finish_and_clear();
+    let mut cases = Vec::new();
+    for (&format, row) in formats.iter().zip(sums) {
+        for (&size, (verdicts, refused)) in sizes.iter().zip(row) {
+            for (&crossing, verdict) in crossings.iter().zip(&verdicts) {
+                cases.push(Case::new(format, size, crossing, refused, verdict));
+            }
+        }
+    }
     Ok(cases)
 }
