@@ -32,7 +32,7 @@ tools: ## install the compiler, simulators and synthesis tools where they are mi
 	@tools/install
 
 campaigns: tools ## hours: the arithmetic against SoftFloat, f64 and Verilator, into docs/campaigns.md
-	$(ENVIRONMENT) for campaign in softfloat routes hardware; do \
+	$(ENVIRONMENT) for campaign in softfloat routes hardware small-worlds; do \
 	    $(CAMPAIGNS) $$campaign --tier substantial --record docs/campaigns.md || exit; done
 
 formal: tools ## hardware operators proven equal to plain specifications, into docs/campaigns.md

@@ -14,15 +14,20 @@ fn safe_methods() -> Vec<Method> {
     all.filter(|method| method.is_safe()).collect()
 }
 
-/// All promises are kept in a world: so many rays were walked.
+/// All promises are kept in a world by every method: so many rays were walked.
 fn kept(format: &str, maps: MapSet, rays: RaySet) -> u64 {
+    kept_by(&safe_methods(), format, maps, rays)
+}
+
+fn kept_by(methods: &[Method], format: &str, maps: MapSet, rays: RaySet) -> u64 {
     let world = World { maps, rays };
     let format: WalkFormat = format.parse().unwrap();
     let outcomes = world
-        .judge(format, &safe_methods(), &|_| {}, &|_, _, hit| hit)
+        .judge(format, methods, &|_| {}, &|_, _, hit| hit)
         .unwrap();
     let place = format!("{format} in {}", world.name());
     for outcome in &outcomes {
+        assert_eq!(outcome.unsupported, None, "{} {place}", outcome.method);
         assert_eq!(outcome.first, [""; 0], "{place}");
         assert_eq!(outcome.defects, 0, "{place}");
         assert_eq!(outcome.verdict.guards, 0, "{} {place}", outcome.method);
@@ -38,14 +43,16 @@ fn kept(format: &str, maps: MapSet, rays: RaySet) -> u64 {
 
 #[test]
 fn floats_are_never_late() {
-    let some = MapSet::every(149, 1);
+    let some = MapSet::every(399, 1);
     for format in ["e5f4", "e7f16"] {
         assert!(kept(format, MapSet::all(0), GRID) > 0);
-        assert!(kept(format, some, GRID) >= 28 * 4096);
+        assert!(kept(format, some, GRID) >= 11 * 4096);
         assert!(kept(format, MapSet::sample(6, 1, 2), GRID) > 0);
     }
-    let small = FloatFormat::new(4, 2);
-    assert!(kept("e4f2", MapSet::every(3, 0), RaySet::AllOf(small)) > 1_000_000);
+    // Every ray of a format is over a million: a node and a line a step stand for the others here.
+    let (small, methods) = (FloatFormat::new(4, 2), [Method::Oh, Method::Block]);
+    let rays = RaySet::AllOf(small);
+    assert!(kept_by(&methods, "e4f2", MapSet::every(8, 0), rays) > 2_000_000);
 }
 
 #[test]
@@ -53,14 +60,14 @@ fn exact_formats_hit_the_very_texel() {
     assert!(kept("exact", MapSet::every(1999, 1), GRID) > 0);
     for (format, rays) in [("fixed", GRID), ("q4.10", RaySet::FixedPoint)] {
         kept(format, MapSet::all(0), rays);
-        kept(format, MapSet::every(149, 1), rays);
+        kept(format, MapSet::every(399, 1), rays);
         kept(format, MapSet::sample(6, 1, 2), rays);
     }
 }
 
 #[test]
 fn f64_ends() {
-    assert!(kept("f64", MapSet::every(37, 1), GRID) >= 111 * 4096);
+    assert!(kept("f64", MapSet::every(399, 1), GRID) >= 11 * 4096);
 }
 
 /// A single ray's answer changed, in each way: another texel, a depth a unit too late, a guard.

@@ -106,8 +106,8 @@ impl SmallWorlds {
             rays: RaySet::AllOf(small),
         };
         let of_small = vec![
-            all_of_small(tier.of(MapSet::all(0), MapSet::all(0), MapSet::all(0))),
-            all_of_small(tier.of(sample(1, 1), sample(16, 1), MapSet::all(1))),
+            all_of_small(tier.of(MapSet::every(8, 0), MapSet::all(0), MapSet::all(0))),
+            all_of_small(tier.of(sample(1, 1), sample(4, 1), MapSet::all(1))),
         ];
         let fixed_point = |maps| World {
             maps,
