@@ -1,4 +1,5 @@
-//! The exact fixed-point walks in packets against `oh` in the machine's own scalar `f32`: nanoseconds a ray
+//! The exact fixed-point walks in packets, `oh` against the same in the machine's own scalar `f32`, and
+//! `block` against `oh`: nanoseconds a ray
 //! on one thread, all in one run, on the seven maps of the paper from its three cameras at 1024 x 768.
 //!
 //! The rival is scalar code written for `f32` and nothing else (`native/`), written in three ways, of
@@ -17,6 +18,7 @@ use rtl_model::instruction_set::InstructionSet;
 use rtl_model::maps::Pyramid;
 use rtl_model::ray::Ray;
 use rtl_model::ray_format::RayFormat;
+use rtl_model::scene::Method;
 use rtl_model::units::fixed_traverse::fixed_walk;
 use rtl_model::units::search_policy::SearchPolicy;
 use rtl_model::units::traverse::{Hit, Status};
@@ -50,8 +52,10 @@ fn main() {
 /// The rows of a scene; of the main one the target is that of the issue, and the rows are more.
 fn scene(name: &str, pyramid: &Pyramid, rays: &[Ray<f64>], is_main: bool) -> Vec<bool> {
     let format = RayFormat::within_reach(pyramid);
-    let packets = FixedPacketWalker::new(pyramid, &format).expect("a format for packets");
+    let packets =
+        FixedPacketWalker::new(Method::Oh, pyramid, &format).expect("a format for packets");
     let plain = packets.clone().with(InstructionSet::Plain);
+    let blocks = FixedPacketWalker::new(Method::Block, pyramid, &format).expect("for packets");
     let native_rays: Vec<Ray<f32>> = rays
         .iter()
         .map(|ray| ray.map(|value| value as f32))
@@ -63,19 +67,28 @@ fn scene(name: &str, pyramid: &Pyramid, rays: &[Ray<f64>], is_main: bool) -> Vec
     );
     let mut hits = vec![UNWALKED; rays.len()];
     let mut plain_hits = hits.clone();
+    let mut block_hits = hits.clone();
     let mut native_hits = [(); 3].map(|()| vec![NativeHit::default(); rays.len()]);
     let [z_hits, row_hits, free_hits] = &mut native_hits;
-    let [ours, plain_time, z_time, row_time, free_time] = quickest(
+    let [ours, plain_time, block_time, z_time, row_time, free_time] = quickest(
         RUNS,
         [
             &mut || packets.walk(black_box(rays), &mut hits),
             &mut || plain.walk(black_box(rays), &mut plain_hits),
+            &mut || blocks.walk(black_box(rays), &mut block_hits),
             &mut || z_order.walk_all(black_box(&native_rays), z_hits),
             &mut || row_by_row.walk_all(black_box(&native_rays), row_hits),
             &mut || branch_free.walk_all(black_box(&native_rays), free_hits),
         ],
     );
     assert!(hits == plain_hits, "{name}: the instruction sets differ");
+    for (hit, block_hit) in hits.iter().zip(&block_hits) {
+        let numbers = |hit: &Hit<f64>| (hit.i, hit.j, hit.t, hit.u, hit.v);
+        assert!(
+            numbers(hit) == numbers(block_hit),
+            "{name}: {hit:?}, {block_hit:?}"
+        );
+    }
     for (way, native) in native_hits.iter().enumerate() {
         let agreeing = hits
             .iter()
@@ -111,7 +124,16 @@ fn scene(name: &str, pyramid: &Pyramid, rays: &[Ray<f64>], is_main: bool) -> Vec
     } else {
         Target::Speed
     };
-    let met = vec![row("oh", ours, rival, rival_time, target)];
+    let met = vec![
+        row("oh", ours, rival, rival_time, target),
+        row(
+            "block",
+            block_time,
+            "oh, ours",
+            ours,
+            Target::SpeedAtLeast(0.9),
+        ),
+    ];
     if is_main {
         row(
             "oh",

@@ -3,8 +3,8 @@
 //! Every ray is walked on its own ([`crate::walker`] says how it enters the format), and its answer
 //! stands in its own place: hits and counts are the same, bit for bit, whatever the number of
 //! threads. Work is shared among the threads of the current `rayon` pool; a caller who wants fewer
-//! installs its own. In e7f16, the format that most frames are walked in, the rays go in packets
-//! ([`crate::packet`]), which makes no difference but to the time.
+//! installs its own. By `oh` in e7f16, and by `oh` and `block` in fixed point, the rays go in packets
+//! ([`crate::packet`], [`crate::fixed_packet`]), which makes no difference but to the time.
 
 mod sampled;
 
@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::camera::{PixelRayError, View};
+use crate::fixed_packet::FixedPacketWalker;
 use crate::float::FloatFormat;
 use crate::maps::Pyramid;
 use crate::packet::PacketWalker;
@@ -374,8 +375,7 @@ fn walk_places<T: Send, E: Send + From<WalkerError>>(
     ray_of: impl Fn(&Walker<'_>, usize) -> Result<Option<Ray<f64>>, E> + Sync,
     answer: impl Fn(Hit<f64>) -> T + Sync,
 ) -> Result<(), E> {
-    if packets_pay(walk, pyramid, answers.len()) {
-        let packets = PacketWalker::new(pyramid);
+    if let Some(packets) = packets_for(walk, pyramid, answers.len()) {
         let checker = Walker::new(walk, pyramid)?;
         let chunks = answers.par_chunks_mut(PACKET_CHUNK).enumerate();
         return chunks.try_for_each_init(PacketChunk::default, |chunk, (number, places)| {
@@ -410,13 +410,38 @@ fn walk_places<T: Send, E: Send + From<WalkerError>>(
     )
 }
 
-/// Can this walk go in packets, and are there rays enough to make up for the copy of the pyramid
-/// that packets need?
-fn packets_pay(walk: Walk, pyramid: &Pyramid, rays: usize) -> bool {
-    walk.method == Method::Oh
-        && walk.format == WalkFormat::Float(FloatFormat::E7F16)
-        && walk.crossing == Crossing::Index
-        && rays >= pyramid.memory().len() / 16
+/// A walk in packets.
+enum Packets<'a> {
+    E7f16(PacketWalker<'a>),
+    Fixed(Box<FixedPacketWalker<'a>>),
+}
+
+impl Packets<'_> {
+    fn walk(&self, admitted: &[Ray<f64>], hits: &mut [Hit<f64>]) {
+        match self {
+            Packets::E7f16(packets) => packets.walk(admitted, hits),
+            Packets::Fixed(packets) => packets.walk(admitted, hits),
+        }
+    }
+}
+
+/// The packets that this walk can go in, if there are rays enough to make up for the copy of the
+/// pyramid that they need.
+fn packets_for(walk: Walk, pyramid: &Pyramid, rays: usize) -> Option<Packets<'_>> {
+    if walk.crossing != Crossing::Index || rays < pyramid.memory().len() / 16 {
+        return None;
+    }
+    match (walk.method, walk.format) {
+        (Method::Oh, WalkFormat::Float(FloatFormat::E7F16)) => {
+            Some(Packets::E7f16(PacketWalker::new(pyramid)))
+        }
+        (method, WalkFormat::Fixed(Some(format))) => {
+            let format = RayFormat::told(format, pyramid).ok()?;
+            let packets = FixedPacketWalker::new(method, pyramid, &format)?;
+            Some(Packets::Fixed(Box::new(packets)))
+        }
+        _ => None,
+    }
 }
 
 /// The rays of a chunk, kept from one to the next.
@@ -480,13 +505,17 @@ mod tests {
 
     #[test]
     fn a_frame_in_packets_is_that_of_the_rays_alone() {
-        let (scene, map, pyramid) = small_scene("e7f16");
-        assert!(packets_pay(scene.walk, &pyramid, 32 * 24));
-        let frame = walk_scene(&scene, &pyramid, &|_| ()).unwrap();
-        let mut walker = Walker::new(scene.walk, &pyramid).unwrap();
-        let rays = scene.view().rays(map.size()).unwrap();
-        for (ray, hit) in rays.into_iter().zip(&frame.hits) {
-            assert_eq!(ray.map(|ray| walker.walk(walker.admit(ray).unwrap())), *hit);
+        for (method, format) in [("oh", "e7f16"), ("oh", "fixed"), ("block", "fixed")] {
+            let (mut scene, map, pyramid) = small_scene(format);
+            scene.walk.method = method.parse().unwrap();
+            let frame = walk_scene(&scene, &pyramid, &|_| ()).unwrap();
+            assert!(packets_for(frame.fit.walk, &pyramid, 32 * 24).is_some());
+            let mut walker = Walker::new(frame.fit.walk, &pyramid).unwrap();
+            let rays = scene.view().rays(map.size()).unwrap();
+            for (ray, hit) in rays.into_iter().zip(&frame.hits) {
+                let alone = ray.map(|ray| walker.walk(walker.admit(ray).unwrap()));
+                assert_eq!(alone, *hit, "{method} in {format}");
+            }
         }
     }
 

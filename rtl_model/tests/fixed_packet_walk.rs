@@ -9,9 +9,12 @@ use rtl_model::instruction_set::InstructionSet;
 use rtl_model::maps::{Channel, HeightMap, MapSource, Pyramid};
 use rtl_model::ray::{self, REACH_TEXELS, Ray};
 use rtl_model::ray_format::RayFormat;
+use rtl_model::scene::Method;
 use rtl_model::units::fixed_traverse::fixed_walk;
 use rtl_model::units::search_policy::SearchPolicy;
 use rtl_model::units::traverse::{Hit, Status};
+use rtl_model::units::wide_fixed::wide_fixed_walk;
+use rtl_model::units::wide_fixed_step::WideFixedShape;
 use std::path::Path;
 
 const UNWALKED: Hit<f64> = Hit {
@@ -43,23 +46,33 @@ fn compare(map: &HeightMap, rays: &[Ray<f64>], name: &str) -> usize {
 fn compare_in(pyramid: &Pyramid, format: &RayFormat, rays: &[Ray<f64>], name: &str) -> usize {
     let admit = |&ray| ray::check(ray, pyramid.size()).expect("a ray within reach");
     let rays: Vec<Ray<f64>> = rays.iter().map(admit).collect();
-    let shape = format.shape();
-    let judge = |&ray: &Ray<f64>| {
-        let ray = format.quantise(ray);
-        fixed_walk(shape, SearchPolicy::OH, pyramid.memory(), &ray).to_hit(shape, &ray)
+    let words = format.shape();
+    let lines = WideFixedShape {
+        words,
+        log2_side: 2,
     };
-    let judged: Vec<Hit<f64>> = rays.iter().map(judge).collect();
-    for instruction_set in InstructionSet::ALL {
-        let walker = FixedPacketWalker::new(pyramid, format).expect("a format of packets");
-        let walker = walker.with(instruction_set);
-        let mut hits = vec![UNWALKED; rays.len()];
-        walker.walk(&rays, &mut hits);
-        for ((ray, hit), judged) in rays.iter().zip(&hits).zip(&judged) {
-            assert_eq!(
-                bits(hit),
-                bits(judged),
-                "{name}, {instruction_set}, {format}: {ray:?}\npacket {hit:?}\nalone  {judged:?}"
-            );
+    for method in [Method::Oh, Method::Block] {
+        let judge = |&ray: &Ray<f64>| {
+            let ray = format.quantise(ray);
+            let hit = match method {
+                Method::Oh => fixed_walk(words, SearchPolicy::OH, pyramid.memory(), &ray),
+                _ => wide_fixed_walk(lines, pyramid.lines(2), &ray),
+            };
+            hit.to_hit(words, &ray)
+        };
+        let judged: Vec<Hit<f64>> = rays.iter().map(judge).collect();
+        for instruction_set in InstructionSet::ALL {
+            let walker = FixedPacketWalker::new(method, pyramid, format).expect("a packet walker");
+            let walker = walker.with(instruction_set);
+            let mut hits = vec![UNWALKED; rays.len()];
+            walker.walk(&rays, &mut hits);
+            for ((ray, hit), judged) in rays.iter().zip(&hits).zip(&judged) {
+                assert_eq!(
+                    bits(hit),
+                    bits(judged),
+                    "{name}, {method}, {instruction_set}, {format}: {ray:?}\npacket {hit:?}\nalone  {judged:?}"
+                );
+            }
         }
     }
     rays.len()
@@ -121,7 +134,13 @@ fn rays(seed: u64, count: usize, reach: f64) -> Vec<Ray<f64>> {
 fn random_rays_hit_the_same_on_every_procedural_map() {
     let mut walked = 0;
     for name in ["bricks", "rocks", "spikes", "mountain", "checkerboard"] {
-        for (size, count) in [(1, 500), (2, 1_000), (16, 5_000), (256, 15_000)] {
+        for (size, count) in [
+            (1, 500),
+            (2, 1_000),
+            (16, 5_000),
+            (32, 4_000),
+            (256, 12_000),
+        ] {
             let recipe = format!("procedural:{name}:{size}:5");
             let source = MapSource::parse(&recipe).expect("a recipe");
             let map = source.load(Channel::Grey, false).expect("a procedural map");
@@ -177,7 +196,7 @@ fn every_format_of_packets() {
     let finest = RayFormat::told("q1.32".parse().expect("a format"), &pyramid).expect("q1.32");
     compare_in(&pyramid, &finest, &rays(23, 300, 8.0), "q1.32");
     let finer = RayFormat::told("q1.33".parse().expect("a format"), &pyramid).expect("q1.33");
-    assert!(FixedPacketWalker::new(&pyramid, &finer).is_none());
+    assert!(FixedPacketWalker::new(Method::Oh, &pyramid, &finer).is_none());
 }
 
 /// Rays and heights on a coarse grid: ties at every turn.

@@ -5,7 +5,6 @@
 
 use super::entry::{NO_SLOPE, nearest_integer};
 use super::lanes::AT_TOP;
-use crate::packet::node::index_of;
 use crate::packet::number::select;
 use crate::units::fixed_shape::FixedShape;
 use crate::units::traverse::{Hit, Status};
@@ -20,7 +19,7 @@ pub(super) struct Ended {
     pub(super) ray: usize,
     pub(super) steps: u32,
     pub(super) crossings: u32,
-    /// The texel, in Z order.
+    /// The texel, by its place in the order of the walk.
     pub(super) texel: u64,
     /// Depth reached, as the packet holds it.
     pub(super) t: f64,
@@ -41,7 +40,9 @@ pub(super) struct EndedAxis {
 }
 
 /// Walks that have ended, and whose hits are still to be worked out.
-pub(super) struct Answers {
+pub(super) struct Answers<T> {
+    /// Which texel a place is, on u and on v.
+    texel_of: T,
     full_height: f64,
     size: u32,
     count: usize,
@@ -93,10 +94,11 @@ impl AxisAnswers {
     }
 }
 
-impl Answers {
+impl<T: Fn(u64, u32) -> (u32, u32)> Answers<T> {
     #[inline(always)]
-    pub(super) fn new(shape: FixedShape) -> Answers {
+    pub(super) fn new(shape: FixedShape, texel_of: T) -> Answers<T> {
         Answers {
+            texel_of,
             full_height: shape.full_height() as f64,
             size: shape.size(),
             count: 0,
@@ -150,8 +152,7 @@ impl Answers {
             v[place] = self.v.position(place, numerator, denominator);
         }
         for place in 0..BATCH {
-            i[place] = index_of(self.texel[place], self.size);
-            j[place] = index_of(self.texel[place] >> 1, self.size);
+            (i[place], j[place]) = (self.texel_of)(self.texel[place], self.size);
         }
         for (place, &ray) in self.ray[..self.count.min(BATCH)].iter().enumerate() {
             hits[ray] = Hit {

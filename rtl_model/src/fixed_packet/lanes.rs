@@ -1,18 +1,19 @@
-//! A packet: the registers of many walks side by side, and one step of all of them.
+//! Method `oh`: a packet, the registers of many walks side by side, and one step of all of them.
 
 use super::answer::{Ended, EndedAxis};
 use super::entry::AxisEntry;
-use crate::packet::node::{BITS_U, BITS_V, backward, onward, step_by};
+use super::walk::Walks;
+use crate::packet::node::{BITS_U, BITS_V, backward, index_of, onward, step_by};
 use crate::packet::number::{larger, select, smaller};
 
-/// Rays of a packet: eight vectors of four numbers.
-pub(super) const LANES: usize = 32;
+/// Rays of a packet: sixteen vectors of four numbers.
+pub(super) const LANES: usize = 64;
 
 /// Stands for depth zero before a walk has got anywhere.
 pub(super) const AT_TOP: f64 = f64::from_bits((1023 - 100) << 52);
 
 /// A one for each lane.
-static LANE_BITS: [u64; LANES] = {
+pub(super) static LANE_BITS: [u64; LANES] = {
     let mut bits = [0; LANES];
     let mut lane = 0;
     while lane < LANES {
@@ -23,7 +24,7 @@ static LANE_BITS: [u64; LANES] = {
 };
 
 /// What the lanes have on one axis.
-pub(super) struct AxisLanes {
+struct AxisLanes {
     entry: [f64; LANES],
     slope: [f64; LANES],
     lowered_slope: [f64; LANES],
@@ -71,12 +72,12 @@ impl AxisLanes {
 /// The walks of a packet. What a lane holds that has no ray is of no account.
 #[repr(align(64))]
 pub(super) struct Packet {
-    pub(super) u: AxisLanes,
-    pub(super) v: AxisLanes,
+    u: AxisLanes,
+    v: AxisLanes,
     /// The slope on u for what has been travelled: lowered, or not after a crossing of v.
     travel_slope_u: [f64; LANES],
     /// The node looked at, in Z order; its index is mirrored back to the map's.
-    pub(super) node: [u64; LANES],
+    node: [u64; LANES],
     /// Ones from the node's leading one upwards: minus 4 to the power of the levels below the root.
     above: [u64; LANES],
     /// In a near child, its index on the map ends in these bits: ones where an axis is mirrored.
@@ -88,9 +89,9 @@ pub(super) struct Packet {
     /// The node's depth.
     depth: [i32; LANES],
     /// The ray's place in the list.
-    pub(super) ray: [usize; LANES],
+    ray: [usize; LANES],
     /// The packet's step count when the ray entered.
-    pub(super) entered: [u32; LANES],
+    entered: [u32; LANES],
 }
 
 impl Packet {
@@ -111,7 +112,7 @@ impl Packet {
 
     /// Puts a ray into a lane, at the root, whose side is `size`.
     #[inline(always)]
-    pub(super) fn enter(
+    fn enter(
         &mut self,
         lane: usize,
         (ray, u, v): (usize, AxisEntry, AxisEntry),
@@ -132,7 +133,7 @@ impl Packet {
 
     /// Looks up the depth of every lane's node.
     #[inline(always)]
-    pub(super) fn fetch<D: Copy + Into<i32>>(&mut self, depths: &[D]) {
+    fn fetch<D: Copy + Into<i32>>(&mut self, depths: &[D]) {
         // No lane with a ray reaches beyond the memory; the mask spares a lane without one.
         let mask = depths.len() - 1;
         for lane in 0..LANES {
@@ -147,7 +148,7 @@ impl Packet {
     /// from is read from the registers first, and no register is written with a choice between its
     /// old value and another; else the compiler chooses between addresses, or stores under a mask.
     #[inline(always)]
-    pub(super) fn step(&mut self, bottom: u64) -> u64 {
+    fn step(&mut self, bottom: u64) -> u64 {
         let mut hits = 0;
         for (lane, &lane_bit) in LANE_BITS.iter().enumerate() {
             let (size, t) = (self.size[lane], self.t[lane]);
@@ -202,20 +203,57 @@ impl Packet {
         }
         hits
     }
+}
 
-    /// The walk of a lane that has just ended, in so many steps.
+/// A packet over a pyramid whose root is at this level.
+pub(super) struct NodeWalks {
+    pub(super) packet: Packet,
+    pub(super) root_level: u32,
+}
+
+impl Walks for NodeWalks {
     #[inline(always)]
-    pub(super) fn ended(&self, lane: usize, steps: u32, root_level: u32) -> Ended {
+    fn enter(&mut self, lane: usize, ray: (usize, AxisEntry, AxisEntry), now: u32) {
+        let size = f64::from(1_u32 << self.root_level);
+        self.packet.enter(lane, ray, size, now);
+    }
+
+    #[inline(always)]
+    fn step<D: Copy + Into<i32>>(&mut self, depths: &[D], live: u64) -> u64 {
+        self.packet.fetch(depths);
+        let bottom = (1_u64 << (2 * self.root_level)).wrapping_neg();
+        self.packet.step(bottom) & live
+    }
+
+    #[inline(always)]
+    fn ray(&self, lane: usize) -> usize {
+        self.packet.ray[lane]
+    }
+
+    #[inline(always)]
+    fn entered(&self, lane: usize) -> u32 {
+        self.packet.entered[lane]
+    }
+
+    #[inline(always)]
+    fn ended(&self, lane: usize, now: u32) -> Ended {
+        let packet = &self.packet;
+        let steps = now.wrapping_sub(packet.entered[lane]);
         Ended {
-            ray: self.ray[lane],
+            ray: packet.ray[lane],
             steps,
             // The others went down: to each level below the root, and to the surface.
-            crossings: steps - (root_level + 1),
-            texel: self.node[lane] >> 2,
-            t: self.t[lane],
-            crossed_v: self.travel_slope_u[lane] == self.u.slope[lane],
-            u: self.u.ended(lane, BITS_U),
-            v: self.v.ended(lane, BITS_V),
+            crossings: steps - (self.root_level + 1),
+            texel: packet.node[lane] >> 2,
+            t: packet.t[lane],
+            crossed_v: packet.travel_slope_u[lane] == packet.u.slope[lane],
+            u: packet.u.ended(lane, BITS_U),
+            v: packet.v.ended(lane, BITS_V),
         }
+    }
+
+    #[inline(always)]
+    fn texel(place: u64, size: u32) -> (u32, u32) {
+        (index_of(place, size), index_of(place >> 1, size))
     }
 }

@@ -13,7 +13,7 @@
 //! proportion. Entries are multiples of 2^-P of a texel and slopes of 2^-F (P = F - height bits). A
 //! *way* is how far a border of a node, or its midline, lies beyond the entry: a multiple of 2^-P,
 //! and not above `reach + size` texels, since the node holds a point of the ray. A ray is walked here only
-//! if the longest way times the larger slope, as integers, is below [`MOST_PRODUCT`] = 2^53 / 23; the
+//! if the longest way times the larger slope, as integers, is below `MOST_PRODUCT` = 2^53 / 23; the
 //! others are left to the definition.
 //!
 //! 1. **Ways are exact.** They have fewer than 53 bits, and are carried: going to the next node adds
@@ -26,7 +26,7 @@
 //!    they can be raised apart. Two that are equal come out with that on u below that on v: u first, as
 //!    the tie is defined.
 //! 4. **A depth of n height steps against an exit.** n times the slope, and the way, are multiples of 2^-F
-//!    below 2^15; F is at most [`MOST_FRACTION_BITS`], so that n and Q differ by 32u or are equal. So
+//!    below 2^15; F is at most `MOST_FRACTION_BITS`, so that n and Q differ by 32u or are equal. So
 //!    "n is not above the raised exit" says "n is not above Q". The depth that a crossing leaves in the
 //!    register is a raised exit, and compares likewise; it is never an integer.
 //! 5. **The far child.** The ray is beyond a midline if the depth t, times the slope, is above the
@@ -44,6 +44,7 @@
 //! integers below 2^53, divided once and rounded down by looking at the remainder (`answer.rs`).
 
 mod answer;
+mod block;
 mod entry;
 mod lanes;
 mod walk;
@@ -53,9 +54,16 @@ use crate::maps::Pyramid;
 use crate::packet::node::interleave;
 use crate::ray::Ray;
 use crate::ray_format::RayFormat;
+use crate::scene::Method;
 use crate::units::fixed_traverse::fixed_walk;
 use crate::units::search_policy::SearchPolicy;
 use crate::units::traverse::Hit;
+use crate::units::wide_fixed::wide_fixed_walk;
+use crate::units::wide_fixed_step::WideFixedShape;
+use block::{BlockWalks, Blocks};
+use entry::Factors;
+use lanes::NodeWalks;
+use walk::Walks;
 
 /// The longest way times the larger slope, as integers, is below this.
 const MOST_PRODUCT: f64 = (1_u64 << 53) as f64 / 23.0;
@@ -63,19 +71,30 @@ const MOST_PRODUCT: f64 = (1_u64 << 53) as f64 / 23.0;
 /// The most fraction bits of a slope.
 const MOST_FRACTION_BITS: u32 = 32;
 
-/// Walks lists of rays through one map by method `oh`, in exact fixed point. Threads can share it.
+/// Walks lists of rays through one map in exact fixed point, by method `oh` or `block`. Threads can
+/// share it.
 #[derive(Clone, Debug)]
 pub struct FixedPacketWalker<'a> {
     pyramid: &'a Pyramid,
     format: RayFormat,
-    depths: NodeDepths,
-    factors: entry::Factors,
+    order: Order,
+    depths: Depths,
+    factors: Factors,
     instruction_set: InstructionSet,
 }
 
-/// The depth of every node in height steps, at the node's place in Z order.
+/// Which nodes are walked through, and in which order their depths lie in memory.
+#[derive(Clone, Copy, Debug)]
+enum Order {
+    /// All nodes in Z order: `oh`.
+    Nodes,
+    /// Cells of lines of 4 x 4: `block`.
+    Blocks(Blocks),
+}
+
+/// The depth of every node in height steps, in the order of the walk.
 #[derive(Clone, Debug)]
-enum NodeDepths {
+enum Depths {
     /// Of heights of 8 bits.
     Narrow(Vec<u8>),
     /// Of 16.
@@ -83,22 +102,38 @@ enum NodeDepths {
 }
 
 impl<'a> FixedPacketWalker<'a> {
-    /// A walker through the map under `pyramid`, by rays in this format of it. It takes a copy of the
-    /// pyramid. None where slopes have more fraction bits than it can tell apart.
-    pub fn new(pyramid: &'a Pyramid, format: &RayFormat) -> Option<FixedPacketWalker<'a>> {
-        if format.shape().fraction_bits() > MOST_FRACTION_BITS {
+    /// A walker by this method through the map under `pyramid`, by rays in this format of it. It
+    /// takes a copy of the pyramid. None where it does not have the method, or slopes have more
+    /// fraction bits than it can tell apart.
+    pub fn new(
+        method: Method,
+        pyramid: &'a Pyramid,
+        format: &RayFormat,
+    ) -> Option<FixedPacketWalker<'a>> {
+        let shape = format.shape();
+        if shape.fraction_bits() > MOST_FRACTION_BITS {
             return None;
         }
-        let full_height = format.shape().full_height() as u16;
-        let depths = in_z_order(pyramid, |height| full_height - height);
+        let order = match method {
+            Method::Oh => Order::Nodes,
+            Method::Block => Order::Blocks(Blocks::new(shape.root_level, shape.height_bits)),
+            _ => return None,
+        };
+        let full_height = shape.full_height() as u16;
+        let depth = |height| full_height - height;
+        let depths = match order {
+            Order::Nodes => in_z_order(pyramid, depth),
+            Order::Blocks(blocks) => blocks.in_order(pyramid, depth),
+        };
         Some(FixedPacketWalker {
             pyramid,
             format: *format,
+            order,
             depths: match pyramid.bits() {
-                8 => NodeDepths::Narrow(depths.iter().map(|&depth| depth as u8).collect()),
-                _ => NodeDepths::Wide(depths),
+                8 => Depths::Narrow(depths.iter().map(|&depth| depth as u8).collect()),
+                _ => Depths::Wide(depths),
             },
-            factors: entry::Factors::DEFINED,
+            factors: Factors::DEFINED,
             instruction_set: InstructionSet::default(),
         })
     }
@@ -119,15 +154,29 @@ impl<'a> FixedPacketWalker<'a> {
     pub fn walk(&self, admitted: &[Ray<f64>], hits: &mut [Hit<f64>]) {
         assert_eq!(admitted.len(), hits.len(), "a hit for each ray");
         let left_over = match &self.depths {
-            NodeDepths::Narrow(depths) => self.walk_over(depths, admitted, hits),
-            NodeDepths::Wide(depths) => self.walk_over(depths, admitted, hits),
+            Depths::Narrow(depths) => self.walk_over(depths, admitted, hits),
+            Depths::Wide(depths) => self.walk_over(depths, admitted, hits),
         };
-        let shape = self.format.shape();
         for place in left_over {
-            let ray = self.format.quantise(admitted[place]);
-            let hit = fixed_walk(shape, SearchPolicy::OH, self.pyramid.memory(), &ray);
-            hits[place] = hit.to_hit(shape, &ray);
+            hits[place] = self.defined(admitted[place]);
         }
+    }
+
+    /// The hit of a ray as it is defined.
+    fn defined(&self, admitted: Ray<f64>) -> Hit<f64> {
+        let words = self.format.shape();
+        let ray = self.format.quantise(admitted);
+        let hit = match self.order {
+            Order::Nodes => fixed_walk(words, SearchPolicy::OH, self.pyramid.memory(), &ray),
+            Order::Blocks(_) => {
+                let shape = WideFixedShape {
+                    words,
+                    log2_side: block::LOG2_SIDE,
+                };
+                wide_fixed_walk(shape, self.pyramid.lines(block::LOG2_SIDE), &ray)
+            }
+        };
+        hit.to_hit(words, &ray)
     }
 
     fn walk_over<D: Copy + Into<i32>>(
@@ -136,10 +185,39 @@ impl<'a> FixedPacketWalker<'a> {
         rays: &[Ray<f64>],
         hits: &mut [Hit<f64>],
     ) -> Vec<usize> {
+        match self.order {
+            Order::Nodes => {
+                let walks = NodeWalks {
+                    packet: lanes::Packet::IDLE,
+                    root_level: self.pyramid.levels(),
+                };
+                self.walk_by(walks, depths, rays, hits)
+            }
+            Order::Blocks(blocks) => {
+                let walks = BlockWalks {
+                    packet: block::BlockPacket::IDLE,
+                    blocks,
+                };
+                self.walk_by(walks, depths, rays, hits)
+            }
+        }
+    }
+
+    fn walk_by<W: Walks, D: Copy + Into<i32>>(
+        &self,
+        walks: W,
+        depths: &[D],
+        rays: &[Ray<f64>],
+        hits: &mut [Hit<f64>],
+    ) -> Vec<usize> {
+        let shape = self.format.shape();
         self.instruction_set.run(walk::WalkRays {
-            shape: self.format.shape(),
+            shape,
             factors: self.factors,
+            walks,
             depths,
+            // A cell that is gone into on the way up has been counted with those that are crossed.
+            step_bound: 2 * shape.step_bound(true),
             rays,
             hits,
         })
@@ -169,7 +247,7 @@ mod tests {
 
     /// Rays and heights on a coarse grid: ties at every turn. The answer counts the hits that are
     /// not the definition's.
-    fn differences(plant: impl Fn(&mut FixedPacketWalker<'_>)) -> usize {
+    fn differences(method: Method, plant: impl Fn(&mut FixedPacketWalker<'_>)) -> usize {
         let mut state = 1_u64;
         let mut below = |count: u64| {
             state ^= state << 13;
@@ -191,8 +269,7 @@ mod tests {
             })
             .collect();
         let format = RayFormat::within_reach(&pyramid);
-        let shape = format.shape();
-        let mut walker = FixedPacketWalker::new(&pyramid, &format).unwrap();
+        let mut walker = FixedPacketWalker::new(method, &pyramid, &format).unwrap();
         plant(&mut walker);
         let unwalked = Hit {
             i: 0,
@@ -206,11 +283,7 @@ mod tests {
         };
         let mut hits = vec![unwalked; rays.len()];
         walker.walk(&rays, &mut hits);
-        let is_different = |(&ray, hit): (&Ray<f64>, &Hit<f64>)| {
-            let ray = format.quantise(ray);
-            let judged = fixed_walk(shape, SearchPolicy::OH, pyramid.memory(), &ray);
-            judged.to_hit(shape, &ray) != *hit
-        };
+        let is_different = |(&ray, hit): (&Ray<f64>, &Hit<f64>)| walker.defined(ray) != *hit;
         rays.iter()
             .zip(&hits)
             .filter(|&pair| is_different(pair))
@@ -219,33 +292,37 @@ mod tests {
 
     #[test]
     fn planted_faults_are_found() {
-        assert_eq!(differences(|_| ()), 0);
-        let defined = entry::Factors::DEFINED;
+        for method in [Method::Oh, Method::Block] {
+            assert_eq!(differences(method, |_| ()), 0, "{method}");
+        }
+        let defined = Factors::DEFINED;
         for planted in [
-            entry::Factors {
+            Factors {
                 raised_on_u: 1.0 - f64::EPSILON,
                 ..defined
             },
-            entry::Factors {
+            Factors {
                 raised_on_u: defined.raised_on_v,
                 raised_on_v: defined.raised_on_u,
                 ..defined
             },
-            entry::Factors {
+            Factors {
                 raised_on_v: 1.0 - f64::EPSILON,
                 ..defined
             },
-            entry::Factors {
+            Factors {
                 lowered: 1.0,
                 ..defined
             },
-            entry::Factors {
+            Factors {
                 lowered: 0.9,
                 ..defined
             },
         ] {
-            let found = differences(|walker| walker.factors = planted);
-            assert!(found > 0, "{planted:?} in place of {defined:?}");
+            for method in [Method::Oh, Method::Block] {
+                let found = differences(method, |walker| walker.factors = planted);
+                assert!(found > 0, "{method}: {planted:?} in place of {defined:?}");
+            }
         }
     }
 }
