@@ -19,7 +19,7 @@
 //!   below, so that the larger of it and n may stand for n everywhere: one multiplier an axis.
 //! - *Which border comes first*: the sign of the error term (see [`super::fixed_setup`]) at the far
 //!   corner.
-//! - *Which child*: by position (see [`super::fixed_child`]); at a border, exactly on the axis
+//! - *Which child*: by position (see `fixed_child`); at a border, exactly on the axis
 //!   crossed and by the error term on the other.
 
 use super::fixed_answer::{FixedAnswer, fixed_answer};

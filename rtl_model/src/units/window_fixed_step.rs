@@ -1,5 +1,5 @@
 //! One step of a window walk, method `window`, in exact fixed point: integers only, and no divider. See
-//! [`super::window_walk`]; what the ray sees of its window is [`super::wide_fixed_line`].
+//! [`super::window_walk`]; what the ray sees of its window is `wide_fixed_line`.
 //!
 //! A candidate is gone down into at the position at its depth, or, where the ray comes in below its
 //! top, at the border it crosses: on that axis the first of the cells below, on the other the one
