@@ -31,8 +31,8 @@ operators: tools ## measure area and speed of the operators anew, into docs/oper
 tools: ## install the compiler, simulators and synthesis tools where they are missing
 	@tools/install
 
-campaigns: tools ## hours: the arithmetic against SoftFloat, f64 and Verilator, into docs/campaigns.md
-	$(ENVIRONMENT) for campaign in softfloat routes hardware small-worlds; do \
+campaigns: tools ## hours: arithmetic, operators and walks against their judges, into docs/campaigns.md
+	$(ENVIRONMENT) for campaign in softfloat routes hardware small-worlds walks; do \
 	    $(CAMPAIGNS) $$campaign --tier substantial --record docs/campaigns.md || exit; done
 
 formal: tools ## hardware operators proven equal to plain specifications, into docs/campaigns.md

@@ -6,6 +6,7 @@
 //! * `hardware`: the operators under Verilator against the golden arithmetic.
 //! * `small-worlds`: every ray of small formats through every small map, by every traversal, against
 //!   the exact reference.
+//! * `walks`: the exact fixed-point walk against a walk of the texels one by one.
 //! * `formal`: hardware operators proven equal to plain specifications by a SAT solver.
 
 pub mod cases;
@@ -21,3 +22,4 @@ pub mod small_worlds;
 pub mod softfloat;
 pub mod sweep;
 pub mod tier;
+pub mod walks;

@@ -115,6 +115,8 @@ pub struct Fit {
     pub walk: Walk,
     /// Rays looked at.
     pub rays: u64,
+    /// Their range; none where there is none.
+    pub range: Option<RayRange>,
     /// The most texels that one of them travels on an axis, from top to bottom.
     pub most_texels: f64,
     /// In fixed point, the formats of the rays and why.
@@ -163,6 +165,7 @@ impl Survey {
                 ..walk
             },
             rays: self.rays,
+            range: self.range,
             most_texels: self
                 .range
                 .map_or(0.0, |range| range.most_texels(pyramid.size())),

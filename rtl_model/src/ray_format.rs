@@ -4,7 +4,7 @@
 //! An entry is a texel coordinate with [`RayFormat::entry_fraction_bits`] fraction bits, truncated,
 //! so that it stays in its texel. A slope is texels per height step, in the signed format that
 //! gives the walk its name, rounded to nearest (ties away from zero, so that a mirrored ray is the
-//! mirrored quantised ray). `docs/numerics.md` says why the widths are what they are.
+//! mirrored quantised ray). `docs/fixed_walk.md` says why the widths are what they are.
 
 use std::fmt;
 

@@ -48,6 +48,33 @@ fn the_format_is_chosen_from_the_rays_and_said_with_its_reason() {
 }
 
 #[test]
+fn the_plan_says_how_wide_each_signal_must_be() {
+    let plan = |format: &str| -> Value {
+        let assert = stepwell()
+            .arg("plan")
+            .arg(workspace().join("scenes/small.toml"))
+            .args(["--json", "--method", "drobot", "--format", format])
+            .assert()
+            .code(0);
+        serde_json::from_slice(&assert.get_output().stdout).unwrap()
+    };
+    let fixed = plan("fixed");
+    let bits = |name: &str| {
+        let signals = fixed["signals"].as_array().unwrap();
+        let signal = signals.iter().find(|signal| signal["name"] == name);
+        signal.unwrap_or_else(|| panic!("{name} is not there"))["bits"]
+            .as_u64()
+            .unwrap()
+    };
+    // An entry of 6 + 12 bits, mirrored or not; a height; a position no wider than its register.
+    assert_eq!(bits("mirrored_u"), 19);
+    assert_eq!(bits("node_depth"), 9);
+    assert!(bits("position_u") > 20 && bits("position_u") <= 36);
+    assert_eq!(fixed["reasons"].as_array().unwrap().len(), 3);
+    assert_eq!(plan("e7f16").get("signals"), None);
+}
+
+#[test]
 fn rays_beyond_a_format_are_saturated_counted_and_told() {
     let folder = tempfile::tempdir().unwrap();
     let (chosen, _) = render(folder.path(), &["--format", "fixed"]);

@@ -5,6 +5,7 @@ mod hardware;
 mod routes;
 mod small_worlds;
 mod softfloat;
+mod walks;
 
 use std::io::{self, ErrorKind, Write};
 use std::path::PathBuf;
@@ -27,6 +28,8 @@ pub enum Command {
     Routes(routes::Routes),
     /// Hardware operators under Verilator against the golden arithmetic
     Hardware(hardware::Hardware),
+    /// Exact fixed-point walks against a walk of the texels one by one
+    Walks(walks::Walks),
     /// Hardware operators proven equal to plain specifications by a SAT solver
     Formal(formal::Formal),
     /// Every ray of small formats through every small map, by every method, against the exact hit
@@ -40,6 +43,7 @@ impl Command {
             Command::Softfloat(command) => command.run(),
             Command::Routes(command) => command.run(),
             Command::Hardware(command) => command.run(),
+            Command::Walks(command) => command.run(),
             Command::Formal(command) => command.run(),
             Command::SmallWorlds(command) => command.run(),
         }

@@ -246,14 +246,21 @@ fn exit_texel<A: Arith>(a: &mut A, shape: FixedShape, entry: A::Int, slope: A::I
 
 /// `a * 2^amount`, of an integer of `bits` bits; `amount` is known. Wires, in hardware.
 ///
-/// A recorded shift is made as wide as the largest amount that its bits can say, so a long one goes
-/// by pieces.
+/// A recorded shift is made as wide as the largest amount that its bits can say: where that is more
+/// than 64 bits it goes by pieces that are the largest amounts of their bits.
 pub(super) fn shift_left_by<A: Arith>(a: &mut A, value: A::Int, bits: u32, amount: u32) -> A::Int {
     let (mut shifted, mut left, mut width) = (value, amount, bits);
     while left > 0 {
-        let piece = left.min(15);
+        let wanted = left.min(15);
+        let wanted_bits = 32 - wanted.leading_zeros();
+        let (piece, piece_bits) = if width + (1 << wanted_bits) - 1 <= 64 {
+            (wanted, wanted_bits)
+        } else {
+            let whole_bits = (wanted + 1).ilog2();
+            ((1 << whole_bits) - 1, whole_bits)
+        };
         let by = a.int_constant(i64::from(piece));
-        shifted = a.int_shift_left(shifted, by, 32 - piece.leading_zeros());
+        shifted = a.int_shift_left(shifted, by, piece_bits);
         left -= piece;
         width += piece;
         // Nothing is cut but room for larger amounts.

@@ -4,6 +4,7 @@ mod fixed_answer;
 mod fixed_ascent;
 mod fixed_child;
 pub mod fixed_node_step;
+pub mod fixed_ranges;
 pub mod fixed_setup;
 pub mod fixed_shape;
 pub mod fixed_step;

@@ -36,10 +36,73 @@ macro_rules! forward {
     };
 }
 
+/// Computes as [`F64Reading`] does, and tells every named integer.
+pub struct Watched<W: FnMut(&'static str, i64)>(pub W);
+
+/// All operators but the comparison of integers.
+macro_rules! forward_all {
+    () => {
+        type Num = f64;
+        type Int = i64;
+        type Bit = bool;
+
+        forward! {
+            zero() -> f64;
+            add(r: Rounding, a: f64, b: f64) -> f64;
+            sub(r: Rounding, a: f64, b: f64) -> f64;
+            mul(r: Rounding, a: f64, b: f64) -> f64;
+            div(r: Rounding, a: f64, b: f64) -> f64;
+            ulps_up(a: f64, ulps: u32) -> f64;
+            exact_below(a: f64) -> f64;
+            negate_if(condition: bool, a: f64) -> f64;
+            magnitude(a: f64) -> f64;
+            is_negative(a: f64) -> bool;
+            is_zero(a: f64) -> bool;
+            less_than(a: f64, b: f64) -> bool;
+            less_equal(a: f64, b: f64) -> bool;
+            select(condition: bool, one: f64, zero: f64) -> f64;
+            number_from_integer(r: Rounding, value: i64, exponent: i64) -> f64;
+            scale(a: f64, exponent: i32) -> f64;
+            floor(a: f64, bits: u32) -> i64;
+            depth_from_height(height: i64, bits: u32) -> f64;
+            int_constant(value: i64) -> i64;
+            int_add(a: i64, b: i64) -> i64;
+            int_sub(a: i64, b: i64) -> i64;
+            int_shift_left(a: i64, amount: i64, bits: u32) -> i64;
+            int_shift_right(a: i64, amount: i64, bits: u32) -> i64;
+            int_mul(a: i64, b: i64) -> i64;
+            int_bit_length(a: i64) -> i64;
+            int_wrap(a: i64, bits: u32) -> i64;
+            int_low_bits(a: i64, bits: u32) -> i64;
+            int_and(a: i64, b: i64) -> i64;
+            int_or(a: i64, b: i64) -> i64;
+            int_xor(a: i64, b: i64) -> i64;
+            int_complement_if(condition: bool, a: i64) -> i64;
+            int_equal(a: i64, b: i64) -> bool;
+            int_select(condition: bool, one: i64, zero: i64) -> i64;
+            int_from_bit(condition: bool) -> i64;
+            bit_constant(value: bool) -> bool;
+            and(a: bool, b: bool) -> bool;
+            or(a: bool, b: bool) -> bool;
+            not(a: bool) -> bool;
+        }
+    };
+}
+
+impl<W: FnMut(&'static str, i64)> Arith for Watched<W> {
+    forward_all!();
+
+    fn int_less_than(&mut self, a: i64, b: i64) -> bool {
+        a < b
+    }
+
+    fn name_int(&mut self, name: &'static str, value: i64) {
+        (self.0)(name, value);
+    }
+}
+
 impl Arith for TieFlipped {
-    type Num = f64;
-    type Int = i64;
-    type Bit = bool;
+    forward_all!();
 
     fn int_less_than(&mut self, a: i64, b: i64) -> bool {
         let place = self.comparison;
@@ -58,47 +121,6 @@ impl Arith for TieFlipped {
         if name == self.name && self.at.is_none() {
             self.at = Some(self.comparison - 1);
         }
-    }
-
-    forward! {
-        zero() -> f64;
-        add(r: Rounding, a: f64, b: f64) -> f64;
-        sub(r: Rounding, a: f64, b: f64) -> f64;
-        mul(r: Rounding, a: f64, b: f64) -> f64;
-        div(r: Rounding, a: f64, b: f64) -> f64;
-        ulps_up(a: f64, ulps: u32) -> f64;
-        exact_below(a: f64) -> f64;
-        negate_if(condition: bool, a: f64) -> f64;
-        magnitude(a: f64) -> f64;
-        is_negative(a: f64) -> bool;
-        is_zero(a: f64) -> bool;
-        less_than(a: f64, b: f64) -> bool;
-        less_equal(a: f64, b: f64) -> bool;
-        select(condition: bool, one: f64, zero: f64) -> f64;
-        number_from_integer(r: Rounding, value: i64, exponent: i64) -> f64;
-        scale(a: f64, exponent: i32) -> f64;
-        floor(a: f64, bits: u32) -> i64;
-        depth_from_height(height: i64, bits: u32) -> f64;
-        int_constant(value: i64) -> i64;
-        int_add(a: i64, b: i64) -> i64;
-        int_sub(a: i64, b: i64) -> i64;
-        int_shift_left(a: i64, amount: i64, bits: u32) -> i64;
-        int_shift_right(a: i64, amount: i64, bits: u32) -> i64;
-        int_mul(a: i64, b: i64) -> i64;
-        int_bit_length(a: i64) -> i64;
-        int_wrap(a: i64, bits: u32) -> i64;
-        int_low_bits(a: i64, bits: u32) -> i64;
-        int_and(a: i64, b: i64) -> i64;
-        int_or(a: i64, b: i64) -> i64;
-        int_xor(a: i64, b: i64) -> i64;
-        int_complement_if(condition: bool, a: i64) -> i64;
-        int_equal(a: i64, b: i64) -> bool;
-        int_select(condition: bool, one: i64, zero: i64) -> i64;
-        int_from_bit(condition: bool) -> i64;
-        bit_constant(value: bool) -> bool;
-        and(a: bool, b: bool) -> bool;
-        or(a: bool, b: bool) -> bool;
-        not(a: bool) -> bool;
     }
 }
 

@@ -3,9 +3,10 @@
 use clap::Args;
 use serde::Serialize;
 
-use rtl_model::frame::check_scene;
+use rtl_model::frame::{Fit, fit_scene};
 use rtl_model::maps::Pyramid;
-use rtl_model::scene::{Effects, Scene, WalkFormat};
+use rtl_model::scene::{Effects, Family, Scene, WalkFormat};
+use rtl_model::units::fixed_ranges::fixed_ranges;
 use rtl_model::units::search_policy::SearchPolicy;
 use rtl_model::units::traverse::shape_for;
 use rtl_model::units::traverse_step::{COUNTER_BITS, INDEX_BITS};
@@ -51,9 +52,28 @@ struct Plan {
     height: u32,
     /// Pixels that have a view ray.
     rays: u64,
+    /// In fixed point, the formats of the rays and why.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ray_format: Option<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    reasons: Vec<String>,
+    /// In fixed point, what each signal of a step at a node can be with these rays.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    signals: Vec<SignalRange>,
     units: Vec<Part>,
     passes: Vec<Part>,
     effects: Vec<Part>,
+}
+
+/// A signal of the fixed-point step, by the interval reading. The ends are text: not every reader
+/// of JSON holds integers of so many bits.
+#[derive(Serialize)]
+struct SignalRange {
+    name: &'static str,
+    /// Of a two's complement word.
+    bits: u32,
+    low: String,
+    high: String,
 }
 
 /// Something that is elaborated.
@@ -85,12 +105,13 @@ impl Plan {
             WalkFormat::Float(format) => Some(format.width()),
             WalkFormat::F64 | WalkFormat::Exact | WalkFormat::Fixed(_) => None,
         };
+        let fit = fit_scene(scene, pyramid)?;
         Ok(Plan {
             schema: "stepwell-plan-1",
             scene: scene.name.clone(),
             map: scene.map.source.to_string(),
             method: scene.walk.method.to_string(),
-            format: scene.walk.format.to_string(),
+            format: fit.walk.format.to_string(),
             number_bits,
             size: pyramid.size(),
             height_bits: pyramid.bits(),
@@ -98,7 +119,12 @@ impl Plan {
             pyramid_words: pyramid.memory().len(),
             width: scene.frame.width,
             height: scene.frame.height,
-            rays: check_scene(scene, pyramid)?,
+            rays: fit.rays,
+            ray_format: fit.ray_format.map(|format| format.to_string()),
+            reasons: fit
+                .ray_format
+                .map_or(Vec::new(), |format| format.reasons().to_vec()),
+            signals: signals(&fit),
             units: number_bits.map_or(Vec::new(), |bits| units(bits, pyramid)),
             passes: vec![Part {
                 name: "view rays",
@@ -127,6 +153,21 @@ impl Plan {
             self.format,
             size = self.size,
         );
+        if let Some(format) = &self.ray_format {
+            text += &format!("rays    {format}\n");
+            for reason in &self.reasons {
+                text += &format!("        {reason}\n");
+            }
+        }
+        if !self.signals.is_empty() {
+            text += "\nsignals of a step with these rays, bits\n";
+            for line in self.signals.chunks(4) {
+                let columns = line
+                    .iter()
+                    .map(|signal| format!("{:<22}{:>2}", signal.name, signal.bits));
+                text += &format!("  {}\n", columns.collect::<Vec<_>>().join("  "));
+            }
+        }
         let no_hardware = format!(
             "none: {} is for comparison, no hardware has it",
             self.format
@@ -147,6 +188,24 @@ impl Plan {
         }
         text
     }
+}
+
+/// The range of each signal of a fixed-point step at a node, where the walk has such steps.
+fn signals(fit: &Fit) -> Vec<SignalRange> {
+    let (Some(format), Some(range), Family::Nodes(policy)) =
+        (fit.ray_format, fit.range, fit.walk.method.family())
+    else {
+        return Vec::new();
+    };
+    fixed_ranges(&format, policy, &range)
+        .into_iter()
+        .map(|(name, range)| SignalRange {
+            name,
+            bits: range.signed_bits(),
+            low: range.low.to_string(),
+            high: range.high.to_string(),
+        })
+        .collect()
 }
 
 /// The hardware of the walk of the one method there is, for numbers of so many bits.
