@@ -1,118 +1,100 @@
-//! Methods `quad`, `block` and `window` on the seven real maps at the three calibrated cameras: the right texel, never
-//! late, and as few steps as is promised.
+//! Methods `quad`, `block` and `window` on the real maps at the three calibrated cameras: the right
+//! texel, never late, and as few steps beside `mixed-selective` as is promised.
 //!
 //! Where there are no real maps a procedural one is walked, and steps are not compared; in CI that
 //! is a failure.
 
-use rtl_model::calibration::{CAMERAS, SURFACES, real_maps};
-use rtl_model::camera::{Surface, View};
+use rtl_model::calibration::CAMERAS;
 use rtl_model::judge::{Truth, Verdict};
-use rtl_model::maps::{Channel, HeightMap, MapSource, Pyramid};
-use rtl_model::ray::Ray;
+use rtl_model::maps::Pyramid;
 use rtl_model::scene::{Crossing, Method};
+use tests::subjects::{frame, subjects};
 
-struct Subject {
-    name: String,
-    map: HeightMap,
-    surface: Surface,
+/// A method's verdicts over all maps, by camera.
+struct Judged {
+    verdicts: [Verdict; 3],
+    /// Mean steps a ray, the mean of the maps' means.
+    steps: [f64; 3],
 }
 
-/// The maps, and whether they are the real ones.
-fn subjects() -> (Vec<Subject>, bool) {
-    let found = real_maps(tests::command_line::workspace()).expect("in CI the real maps are there");
-    let Some(folder) = found else {
-        println!("no real height maps: a procedural one stands in (set STEPWELL_MAPS)");
-        let source = MapSource::parse("procedural:rocks:256:1").expect("a procedural map");
-        let stand_in = Subject {
-            name: source.to_string(),
-            map: source.load(Channel::Grey, false).expect("a procedural map"),
-            surface: SURFACES[0].surface,
-        };
-        return (vec![stand_in], false);
-    };
-    let load = |file| HeightMap::load(&folder.join(file), Channel::Alpha, false);
-    let subjects = SURFACES.iter().map(|calibrated| Subject {
-        name: calibrated.name.to_owned(),
-        map: load(calibrated.file).expect("a height map of the paper"),
-        surface: calibrated.surface,
+fn judge<const N: usize>(methods: [Method; N], format: &str) -> [Judged; N] {
+    let mut judged = methods.map(|_| Judged {
+        verdicts: [Verdict::default(); 3],
+        steps: [0.0; 3],
     });
-    (subjects.collect(), true)
-}
-
-fn frame(subject: &Subject, camera: usize, width: u32, height: u32) -> Vec<Ray<f64>> {
-    let view = View::new(&CAMERAS[camera].1, &subject.surface, width, height);
-    let rays = view.rays(subject.map.size()).expect("rays within reach");
-    rays.into_iter().flatten().collect()
-}
-
-/// The verdicts over all maps, by camera, and mean steps a ray: the mean of the maps' means.
-fn judge(method: Method, format: &str, width: u32, height: u32) -> ([Verdict; 3], [f64; 3]) {
-    let mut verdicts = [Verdict::default(); 3];
-    let mut steps = [0.0; 3];
-    let (subjects, _) = subjects();
+    let subjects = subjects();
+    let format = format.parse().expect("a format");
     for subject in &subjects {
         let pyramid = Pyramid::new(&subject.map);
-        for camera in 0..CAMERAS.len() {
-            let rays = frame(subject, camera, width, height);
-            let format = format.parse().expect("a format");
+        for (camera, (name, _)) in CAMERAS.iter().enumerate() {
+            let rays = frame(subject, camera, 160, 120);
             let truth = Truth::of(format, &subject.map, &pyramid, &rays, &|_| ()).expect("a truth");
-            let verdict = truth
-                .judge_walk(method, Crossing::Index, &pyramid, &|_| ())
-                .expect("a verdict");
-            assert_eq!(
-                (verdict.late, verdict.guards),
-                (0, 0),
-                "{method} in {format}, {} {}: {verdict:?}",
-                subject.name,
-                CAMERAS[camera].0
-            );
-            steps[camera] += verdict.mean_steps().expect("rays") / subjects.len() as f64;
-            verdicts[camera] = verdicts[camera].plus(verdict);
+            for (method, judged) in methods.iter().zip(&mut judged) {
+                let verdict = truth
+                    .judge_walk(*method, Crossing::Index, &pyramid, &|_| ())
+                    .expect("a verdict");
+                assert_eq!(
+                    (verdict.late, verdict.guards),
+                    (0, 0),
+                    "{method} in {format}, {} {name}: {verdict:?}",
+                    subject.name
+                );
+                let steps = verdict.mean_steps().expect("rays");
+                judged.steps[camera] += steps / subjects.len() as f64;
+                judged.verdicts[camera] = judged.verdicts[camera].plus(verdict);
+            }
         }
     }
-    (verdicts, steps)
+    judged
 }
 
-/// Mean steps of `mixed-selective` at these cameras, the mean of the seven maps at 1024 x 768.
-const MIXED_SELECTIVE: [f64; 3] = [5.0, 10.1, 18.4];
-
-/// The most mean steps of a method, as shares of [`MIXED_SELECTIVE`]: measured at 1024 x 768, and a
-/// little more.
+/// The most mean steps of a method, as shares of those of `mixed-selective`: measured at 1024 x 768,
+/// and a little more. The target of `block` is 0.60, 0.52 and 0.45.
 const MOST_STEPS: [(Method, [f64; 3]); 3] = [
     (Method::Quad, [0.65, 0.67, 0.61]),
-    (Method::Block, [0.44, 0.40, 0.36]),
+    (Method::Block, [0.44, 0.41, 0.36]),
     (Method::Window, [0.35, 0.32, 0.35]),
 ];
 
 #[test]
 fn in_f64_no_texel_is_wrong_and_steps_are_few() {
-    let is_real = subjects().1;
-    for (method, most) in MOST_STEPS {
-        let (verdicts, steps) = judge(method, "f64", 160, 120);
-        for (camera, verdict) in verdicts.iter().enumerate() {
-            let share = steps[camera] / MIXED_SELECTIVE[camera];
+    let is_real = subjects().iter().all(|subject| subject.is_real);
+    let [quad, block, window, mixed] = [
+        Method::Quad,
+        Method::Block,
+        Method::Window,
+        Method::MixedSelective,
+    ];
+    let [quad, block, window, mixed] = judge([quad, block, window, mixed], "f64");
+    for ((method, most), judged) in MOST_STEPS.into_iter().zip([quad, block, window]) {
+        for (camera, verdict) in judged.verdicts.iter().enumerate() {
+            let share = judged.steps[camera] / mixed.steps[camera];
+            let name = CAMERAS[camera].0;
             println!(
-                "{method} {:8} {:6} rays, {:5.2} steps, {share:.3} of mixed-selective, {} wrong",
-                CAMERAS[camera].0, verdict.rays, steps[camera], verdict.wrong
+                "{method:6} {name:8} {:6} rays, {:5.2} steps, {share:.3} of mixed-selective, {} wrong",
+                verdict.rays, judged.steps[camera], verdict.wrong
             );
-            assert_eq!(verdict.wrong, 0, "{method} {}", CAMERAS[camera].0);
+            assert_eq!(verdict.wrong, 0, "{method} {name}");
+            assert!(verdict.rays > 2_000, "too few rays prove nothing");
             assert!(
                 !is_real || share <= most[camera],
-                "{method} {}",
-                CAMERAS[camera].0
+                "{method} {name}: {share}"
             );
         }
-        assert!(verdicts[1].rays > 50_000, "too few rays prove nothing");
     }
 }
 
 #[test]
 fn e7f16_errs_rarely_and_never_late() {
-    for method in [Method::Quad, Method::Block, Method::Window] {
-        let (verdicts, _) = judge(method, "e7f16", 160, 120);
-        let all = verdicts.into_iter().reduce(Verdict::plus).expect("cameras");
+    let methods = [Method::Quad, Method::Block, Method::Window];
+    for (method, judged) in methods.iter().zip(judge(methods, "e7f16")) {
+        let all = judged.verdicts.into_iter().reduce(Verdict::plus);
+        let all = all.expect("cameras");
         let share = 100.0 * all.wrong_share().expect("rays");
-        println!("{method}: {} rays, {share:.4} % in another texel", all.rays);
+        println!(
+            "{method:6} {} rays, {share:.4} % in another texel",
+            all.rays
+        );
         assert!(share <= 0.05, "{method}: {share} %");
     }
 }
