@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::exact::{ExactDepth, ExactError, ExactHit, exact_hit};
-use crate::frame::{Progress, WalkRaysError, walk_rays};
+use crate::frame::{Progress, WalkRaysError, fit_rays, walk_rays};
 use crate::maps::{HeightMap, Pyramid};
 use crate::ray::Ray;
 use crate::scene::{Crossing, Method, Walk, WalkFormat};
@@ -131,11 +131,18 @@ impl Truth {
         progress: Progress<'_>,
     ) -> Result<Truth, JudgeError> {
         // How a ray enters depends on the format alone: any method tells.
-        let any = Walk {
+        let mut any = Walk {
             method: Method::Oh,
             format,
             crossing: Crossing::Index,
         };
+        if format == WalkFormat::Fixed(None) {
+            // The format that all methods will choose from these rays, less those refused.
+            let walker = Walker::new(any, pyramid)?;
+            let admitted = rays.iter().filter_map(|&ray| walker.admit(ray).ok());
+            any = fit_rays(any, pyramid, &admitted.collect::<Vec<_>>())?.walk;
+        }
+        let format = any.format;
         let chunks = rays.par_chunks(CHUNK).enumerate();
         let chunks: Vec<Vec<_>> = chunks
             .map(|(number, rays)| {
@@ -168,7 +175,7 @@ impl Truth {
         })
     }
 
-    /// The format that holds the rays.
+    /// The format that holds the rays; of fixed point the one that was chosen from them.
     pub fn format(&self) -> WalkFormat {
         self.format
     }
@@ -273,7 +280,7 @@ mod tests {
     #[test]
     fn sound_walks_are_right_and_counted_in_full() {
         let (map, pyramid, rays) = subject();
-        for format in ["f64", "exact", "e7f16", "e8f23"] {
+        for format in ["f64", "exact", "e7f16", "e8f23", "fixed", "q5.24"] {
             let truth = truth(format, &map, &pyramid, &rays);
             let verdict = truth
                 .judge_walk(Method::Oh, Crossing::Index, &pyramid, &|_| ())

@@ -73,7 +73,7 @@ impl ExactReading {
         }
     }
 
-    /// The value behind a number; `None` is infinite.
+    /// The value behind a number, not always in lowest terms; `None` is infinite.
     pub fn value(&self, number: ExactNum) -> Option<&BigRational> {
         let number = &self.store[number.0];
         let value = number.value.get_or_init(|| Box::new(self.work_out(number)));
@@ -125,13 +125,13 @@ impl ExactReading {
             Origin::Integer(value, exponent) => {
                 BigRational::from(BigInt::from(value)) * power_of_two(exponent)
             }
-            Origin::Sum(a, b) => of(a) + of(b),
-            Origin::Difference(a, b) => of(a) - of(b),
-            Origin::Product(a, b) => of(a) * of(b),
-            Origin::Quotient(a, b) => of(a) / of(b),
+            Origin::Sum(a, b) => sum(of(a), of(b)),
+            Origin::Difference(a, b) => sum(of(a), &-of(b)),
+            Origin::Product(a, b) => product(of(a), of(b)),
+            Origin::Quotient(a, b) => quotient(of(a), of(b)),
             Origin::Negated(a) => -of(a),
             Origin::Magnitude(a) => of(a).abs(),
-            Origin::Scaled(a, exponent) => of(a) * power_of_two(exponent.into()),
+            Origin::Scaled(a, exponent) => product(of(a), &power_of_two(exponent.into())),
         })
     }
 
@@ -168,6 +168,37 @@ impl ExactReading {
     fn exactly(&mut self, value: f64) -> ExactNum {
         assert!(value.is_finite(), "rays are checked to be finite");
         self.keep(Enclosure::single(value), Origin::Float(value))
+    }
+}
+
+/// Denominators up to so many bits are left as they come. To reduce a ratio takes longer than all
+/// that is done with it: most are compared or rounded once.
+const REDUCED_BEYOND_BITS: u64 = 512;
+
+/// A ratio whose denominator is positive, reduced where it has grown long.
+fn ratio(above: BigInt, below: BigInt) -> BigRational {
+    debug_assert!(below.is_positive());
+    let ratio = BigRational::new_raw(above, below);
+    match ratio.denom().bits() > REDUCED_BEYOND_BITS {
+        true => ratio.reduced(),
+        false => ratio,
+    }
+}
+
+fn sum(a: &BigRational, b: &BigRational) -> BigRational {
+    let above = a.numer() * b.denom() + b.numer() * a.denom();
+    ratio(above, a.denom() * b.denom())
+}
+
+fn product(a: &BigRational, b: &BigRational) -> BigRational {
+    ratio(a.numer() * b.numer(), a.denom() * b.denom())
+}
+
+fn quotient(a: &BigRational, b: &BigRational) -> BigRational {
+    let (above, below) = (a.numer() * b.denom(), a.denom() * b.numer());
+    match below.is_negative() {
+        true => ratio(-above, -below),
+        false => ratio(above, below),
     }
 }
 
