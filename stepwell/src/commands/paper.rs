@@ -69,7 +69,8 @@ pub struct TableArguments {
     #[arg(long, value_name = "FORMAT", default_value = "f64")]
     format: NumberFormat,
 
-    /// Only these methods of the table, such as oh: repeat the option, or put commas between
+    /// Only these methods, such as oh: repeat the option, or put commas between. Table 4 also takes
+    /// methods that the paper does not have
     #[arg(long, value_name = "METHOD", value_delimiter = ',')]
     method: Vec<Method>,
 

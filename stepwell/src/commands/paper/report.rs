@@ -85,6 +85,8 @@ struct MethodReport {
     mean_absolute_deviation: Option<f64>,
     /// The cell that is furthest off.
     worst: Option<Worst>,
+    /// Ours from each camera, the mean of the maps.
+    ours_by_camera: [Option<f64>; CAMERAS.len()],
     wrong: u64,
     guards: u64,
     /// Within both limits, and no wrong texel or guard where the method promises none.
@@ -127,8 +129,15 @@ impl MethodReport {
             && worst
                 .as_ref()
                 .is_none_or(|worst| worst.deviation.abs() <= MOST_DEVIATION);
+        let ours_by_camera = std::array::from_fn(|camera| {
+            let own = cells.iter().filter(|cell| cell.place.camera == camera);
+            let (sum, count) =
+                own.fold((0.0, 0), |(sum, count), cell| (sum + cell.ours, count + 1));
+            (count > 0).then(|| sum / f64::from(count))
+        });
         MethodReport {
             method: method.to_string(),
+            ours_by_camera,
             cells: deviations.len(),
             mean_absolute_deviation: mean,
             worst,
@@ -243,7 +252,7 @@ impl Report {
         let cameras = CAMERAS.map(|(name, _)| format!("{name:^23}"));
         let _ = writeln!(
             text,
-            "{:16} {:7} {}  wrong",
+            "{:18} {:7} {}  wrong",
             "method",
             "map",
             cameras.join(" ")
@@ -251,7 +260,7 @@ impl Report {
         for (number, cell) in self.cells.iter().enumerate() {
             let starts_row = cell.place.camera == 0;
             if starts_row {
-                let _ = write!(text, "{:16} {:7}", cell.method, cell.map);
+                let _ = write!(text, "{:18} {:7}", cell.method, cell.map);
             }
             let _ = write!(text, " {}", cell_text(cell));
             let ends_row = self
@@ -267,8 +276,14 @@ impl Report {
         }
         let _ = writeln!(
             text,
-            "\n{:16} {:>5}  {:>19}  {:<28} {:>7} {:>6}",
-            "method", "cells", "mean abs. deviation", "worst cell", "wrong", "guards"
+            "\n{:18} {:>5}  {:>19}  {:<26} {:<21} {:>7} {:>6}",
+            "method",
+            "cells",
+            "mean abs. deviation",
+            "worst cell",
+            "ours, mean of maps",
+            "wrong",
+            "guards"
         );
         for method in &self.methods {
             let mean = method.mean_absolute_deviation;
@@ -281,9 +296,12 @@ impl Report {
                     100.0 * worst.deviation
                 )
             });
+            let ours = method.ours_by_camera;
+            let ours = ours.map(|mean| mean.map_or("-".to_owned(), |mean| format!("{mean:.2}")));
+            let ours = ours.join(" / ");
             let _ = writeln!(
                 text,
-                "{:16} {:5}  {mean:>19}  {worst:<28} {:>7} {:>6}{}",
+                "{:18} {:5}  {mean:>19}  {worst:<26} {ours:<21} {:>7} {:>6}{}",
                 method.method,
                 method.cells,
                 method.wrong,

@@ -9,7 +9,7 @@ use rtl_model::calibration::{CAMERAS, SURFACES};
 use rtl_model::judge::{Truth, Verdict};
 use rtl_model::maps::Pyramid;
 use rtl_model::published::{Cell, Table};
-use rtl_model::scene::{Crossing, Walk, WalkFormat};
+use rtl_model::scene::{Crossing, Method, Walk, WalkFormat};
 use rtl_model::walker::Walker;
 
 use super::report::{OurCell, Report};
@@ -44,11 +44,28 @@ pub fn run(table: Table, arguments: TableArguments) -> anyhow::Result<Outcome> {
     Ok(report.outcome())
 }
 
-/// The cells of the table whose methods are wanted.
+/// The cells of the table whose methods are wanted. Table 4 takes any method: of those that the
+/// paper does not have, its cells are without a figure.
 fn wanted(table: Table, arguments: &TableArguments) -> anyhow::Result<Vec<Cell>> {
     let cells = table.cells();
-    for method in &arguments.method {
-        if !cells.iter().any(|cell| cell.method == *method) {
+    if arguments.method.is_empty() {
+        return Ok(cells);
+    }
+    let mut chosen = Vec::new();
+    for (number, &method) in arguments.method.iter().enumerate() {
+        if arguments.method[..number].contains(&method) {
+            continue;
+        }
+        let own: Vec<Cell> = cells
+            .iter()
+            .copied()
+            .filter(|cell| cell.method == method)
+            .collect();
+        if !own.is_empty() {
+            chosen.extend(own);
+        } else if table == Table::StepsPerPixel {
+            chosen.extend(without_figures(method));
+        } else {
             let mut known: Vec<String> = Vec::new();
             for cell in &cells {
                 let name = cell.method.to_string();
@@ -63,9 +80,21 @@ fn wanted(table: Table, arguments: &TableArguments) -> anyhow::Result<Vec<Cell>>
             );
         }
     }
-    let is_wanted =
-        |cell: &Cell| arguments.method.is_empty() || arguments.method.contains(&cell.method);
-    Ok(cells.into_iter().filter(is_wanted).collect())
+    Ok(chosen)
+}
+
+/// All frames of a method that the paper has no figures of.
+fn without_figures(method: Method) -> impl Iterator<Item = Cell> {
+    let frames = (0..SURFACES.len()).flat_map(|surface| {
+        let cameras = 0..CAMERAS.len();
+        cameras.map(move |camera| (surface, camera))
+    });
+    frames.map(move |(surface, camera)| Cell {
+        method,
+        surface,
+        camera,
+        figure: None,
+    })
 }
 
 /// Walks every cell's frame and judges it. Cells of the same frame share its truth.
