@@ -7,11 +7,13 @@
 //! * `small-worlds`: every ray of small formats through every small map, by every traversal, against
 //!   the exact reference.
 //! * `walks`: the exact fixed-point walk against a walk of the texels one by one.
+//! * `frames`: whole frames of every safe traversal against the exact reference.
 //! * `formal`: hardware operators proven equal to plain specifications by a SAT solver.
 
 pub mod cases;
 pub mod formal;
 pub mod formats;
+pub mod frames;
 pub mod hardware;
 pub mod operands;
 pub mod record;

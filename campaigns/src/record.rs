@@ -13,7 +13,19 @@ use anyhow::{Context, bail};
 use crate::row::Row;
 use crate::tier::Tier;
 
-/// The columns; the first four tell lines apart.
+/// What a campaign's table looks like.
+pub struct TableShape {
+    /// The campaign, whose place in the file it is.
+    pub campaign: &'static str,
+    /// The names of the columns.
+    pub columns: &'static [&'static str],
+    /// The line of Markdown below them, but for its first bar.
+    pub alignment: &'static str,
+    /// So many columns, the first, tell lines apart.
+    pub key_columns: usize,
+}
+
+/// The columns of a campaign of operators; the first four tell lines apart.
 const COLUMNS: [&str; 12] = [
     "operator",
     "format",
@@ -28,7 +40,16 @@ const COLUMNS: [&str; 12] = [
     "date",
     "version",
 ];
-const KEY_COLUMNS: usize = 4;
+
+/// The table of a campaign of operators.
+fn operators(campaign: &'static str) -> TableShape {
+    TableShape {
+        campaign,
+        columns: &COLUMNS,
+        alignment: "---|---|---|---|---|--:|--:|--:|--:|---|---|---|",
+        key_columns: 4,
+    }
+}
 
 /// What stands before a campaign's table, and after it.
 fn markers(campaign: &str) -> (String, String) {
@@ -56,9 +77,24 @@ pub fn record(path: &Path, rows: &[Row], provenance: &Provenance) -> anyhow::Res
     let Some(campaign) = rows.first().map(|row| row.campaign) else {
         return Ok(());
     };
+    let lines = rows.iter().map(|row| cells(row, provenance)).collect();
+    record_lines(path, &operators(campaign), lines)
+}
+
+/// Puts lines of a table into the file, which has a place for it; each replaces the one that has
+/// the same cells in the key columns.
+///
+/// # Errors
+/// If the file cannot be read or written, or has no such place.
+pub fn record_lines(
+    path: &Path,
+    shape: &TableShape,
+    lines: Vec<Vec<String>>,
+) -> anyhow::Result<()> {
+    let campaign = shape.campaign;
     let name = path.display();
     let text = fs::read_to_string(path).with_context(|| format!("{name}: cannot be read"))?;
-    let text = updated(&text, campaign, rows, provenance)
+    let text = updated(&text, shape, lines)
         .with_context(|| format!("{name}: no place for `{campaign}`"))?;
     let folder = match path.parent() {
         Some(folder) if folder != Path::new("") => folder,
@@ -78,13 +114,8 @@ pub fn record(path: &Path, rows: &[Row], provenance: &Provenance) -> anyhow::Res
     Ok(())
 }
 
-fn updated(
-    text: &str,
-    campaign: &str,
-    rows: &[Row],
-    provenance: &Provenance,
-) -> anyhow::Result<String> {
-    let (begin, end) = markers(campaign);
+fn updated(text: &str, shape: &TableShape, new: Vec<Vec<String>>) -> anyhow::Result<String> {
+    let (begin, end) = markers(shape.campaign);
     let Some((before, rest)) = text.split_once(&begin) else {
         bail!("it lacks the line {begin}");
     };
@@ -98,16 +129,15 @@ fn updated(
             .split('|')
             .map(|cell| cell.trim().to_owned())
             .collect();
-        if cells.len() == COLUMNS.len() {
-            lines.insert(cells[..KEY_COLUMNS].to_vec(), cells);
+        if cells.len() == shape.columns.len() {
+            lines.insert(cells[..shape.key_columns].to_vec(), cells);
         }
     }
-    for row in rows {
-        let cells = cells(row, provenance);
-        lines.insert(cells[..KEY_COLUMNS].to_vec(), cells);
+    for cells in new {
+        lines.insert(cells[..shape.key_columns].to_vec(), cells);
     }
-    let mut table = format!("| {} |\n|", COLUMNS.join(" | "));
-    table += "---|---|---|---|---|--:|--:|--:|--:|---|---|---|\n";
+    let mut table = format!("| {} |\n|", shape.columns.join(" | "));
+    table += &format!("{}\n", shape.alignment);
     for cells in lines.values() {
         table += &format!("| {} |\n", cells.join(" | "));
     }
@@ -140,7 +170,7 @@ fn cells(row: &Row, provenance: &Provenance) -> Vec<String> {
 }
 
 /// Digits in groups of three.
-fn grouped(number: u64) -> String {
+pub fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (place, digit) in digits.chars().enumerate() {
@@ -182,21 +212,19 @@ mod tests {
         };
         let (begin, end) = markers("softfloat");
         let text = format!("# Head\n\n{begin}\n{end}\ntail\n");
-        let once = updated(
-            &text,
-            "softfloat",
-            &[row("mul", 3), row("add", 0)],
-            &provenance,
-        )
-        .unwrap();
+        let put = |text: &str, rows: &[Row]| {
+            let lines = rows.iter().map(|row| cells(row, &provenance)).collect();
+            updated(text, &operators("softfloat"), lines)
+        };
+        let once = put(&text, &[row("mul", 3), row("add", 0)]).unwrap();
         assert!(once.starts_with("# Head\n"), "{once}");
         assert!(once.ends_with("\ntail\n"), "{once}");
         assert!(once.contains("| mul | e8f23 | full | SoftFloat f32 | rne rtz | 1 234 567 | 3 | 2.0 | 617 284 | quick, 1 |"), "{once}");
         assert!(once.find("| add |") < once.find("| mul |"), "{once}");
-        let again = updated(&once, "softfloat", &[row("mul", 0)], &provenance).unwrap();
+        let again = put(&once, &[row("mul", 0)]).unwrap();
         assert_eq!(again.matches("| mul |").count(), 1);
         assert_eq!(again.matches("| add |").count(), 1);
         assert!(!again.contains("| 3 |"), "{again}");
-        assert!(updated("# Head\n", "softfloat", &[], &provenance).is_err());
+        assert!(put("# Head\n", &[]).is_err());
     }
 }

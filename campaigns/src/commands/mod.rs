@@ -1,6 +1,7 @@
 //! The subcommands, and what they have in common.
 
 mod formal;
+mod frames;
 mod hardware;
 mod routes;
 mod small_worlds;
@@ -34,6 +35,8 @@ pub enum Command {
     Formal(formal::Formal),
     /// Every ray of small formats through every small map, by every method, against the exact hit
     SmallWorlds(small_worlds::SmallWorlds),
+    /// Whole frames of every traversal that promises not to miss against the exact reference
+    Frames(frames::Frames),
 }
 
 impl Command {
@@ -46,6 +49,7 @@ impl Command {
             Command::Walks(command) => command.run(),
             Command::Formal(command) => command.run(),
             Command::SmallWorlds(command) => command.run(),
+            Command::Frames(command) => command.run(),
         }
     }
 }
@@ -134,12 +138,7 @@ impl Run {
             }
         }
         if let Some(path) = &self.record {
-            let provenance = Provenance {
-                tier: self.tier,
-                date: today(),
-                version: version(),
-            };
-            record(path, std::slice::from_ref(row), &provenance)?;
+            record(path, std::slice::from_ref(row), &provenance(self.tier))?;
         }
         Ok(())
     }
@@ -196,6 +195,15 @@ struct Summary<'a> {
     differences: u64,
     seconds: f64,
     rows: &'a [Row],
+}
+
+/// When and with what this is run.
+fn provenance(tier: Tier) -> Provenance {
+    Provenance {
+        tier,
+        date: today(),
+        version: version(),
+    }
 }
 
 /// Today, `YYYY-MM-DD`, in universal time.
