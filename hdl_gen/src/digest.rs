@@ -99,6 +99,7 @@ impl Canonical {
             Operation::Add(..) => ("add", [None, None]),
             Operation::Subtract(..) => ("subtract", [None, None]),
             Operation::Multiply(..) => ("multiply", [None, None]),
+            Operation::MultiplySigned(..) => ("multiply_signed", [None, None]),
             Operation::ShiftLeft(..) => ("shift_left", [None, None]),
             Operation::ShiftRight(..) => ("shift_right", [None, None]),
             Operation::Equal(..) => ("equal", [None, None]),

@@ -1,5 +1,6 @@
 //! From a scheduled recording to a module.
 
+use super::integer_product::integer_product;
 use super::record::Recording;
 use super::schedule::{OperatorLatencies, Schedule};
 use super::signal::{Kind, RecordedOperation, SignalId};
@@ -312,6 +313,11 @@ impl Build<'_> {
     ) -> Wire {
         let latency = self.latencies.of(&self.recording.signal(id).operation);
         let made = OperatorConfiguration::new(kind, self.recording.format, rounding).build(latency);
+        self.instance_of(id, made, inputs)
+    }
+
+    /// An instance of a module of its own for an operation; returns its result.
+    fn instance_of(&mut self, id: SignalId, made: Arc<Module>, inputs: &[Wire]) -> Wire {
         let module = self
             .operators
             .entry(made.name.clone())
@@ -422,8 +428,11 @@ impl Build<'_> {
                 word_logic::shift_right(&mut self.builder, a, amount)
             }
             IntMul(a, b) => {
-                let (a, b) = (self.wire(a, stage), self.wire(b, stage));
-                word_logic::product(&mut self.builder, a, b)
+                let latency = self.latencies.of(&operation);
+                let widths = [a, b].map(|operand| self.recording.width(operand));
+                let made = integer_product(widths, latency);
+                let inputs = [self.wire(a, stage), self.wire(b, stage)];
+                self.instance_of(id, made, &inputs)
             }
             IntBitLength(a) => {
                 let a = self.wire(a, stage);

@@ -2,6 +2,7 @@
 //! stages, built as a module.
 
 mod build;
+mod integer_product;
 mod record;
 mod schedule;
 mod signal;

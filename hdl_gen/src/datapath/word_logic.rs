@@ -78,23 +78,6 @@ pub(super) fn shift_right(builder: &mut Builder, a: Wire, amount: Wire) -> Wire 
     builder.xor(moved, signs)
 }
 
-/// The product of two's complement words: that of the words read without signs, less each word at
-/// the other's sign.
-pub(super) fn product(builder: &mut Builder, a: Wire, b: Wire) -> Wire {
-    let unsigned = builder.multiply(a, b);
-    let mut without = |product: Wire, sign_of: Wire, other: Wire| {
-        let bits = builder.width(sign_of);
-        let sign = builder.bit(sign_of, bits - 1);
-        let none = builder.constant(0, builder.width(other));
-        let taken = builder.mux(sign, other, none);
-        let below = builder.constant(0, bits);
-        let taken = builder.concat(&[taken, below]);
-        builder.subtract(product, taken)
-    };
-    let half = without(unsigned, a, b);
-    without(half, b, a)
-}
-
 /// One more than the place of the leading one of a word that is not negative; 0 for 0.
 pub(super) fn bit_length(builder: &mut Builder, a: Wire, width: u32) -> Wire {
     let zero = builder.constant(0, width);

@@ -73,6 +73,15 @@ impl Plan<'_> {
                 });
                 Expression::Chain("*", sides.to_vec())
             }
+            Operation::MultiplySigned(a, b) => {
+                // Extended like the others; `$signed` tells synthesis that the bits in front are
+                // copies, so that it takes no multiplier for them.
+                let sides = [*a, *b].map(|side| {
+                    let extended = self.sign_extend(side, node.width).flat();
+                    Expression::Atom(format!("$signed({extended})"))
+                });
+                Expression::Chain("*", sides.to_vec())
+            }
             Operation::Mux {
                 select,
                 when_one,

@@ -18,6 +18,11 @@ fn low_bits(width: u32) -> u64 {
     u64::MAX >> (64 - width)
 }
 
+fn sign_extended(value: u64, width: u32) -> u64 {
+    let above = 64 - width;
+    ((value << above) as i64 >> above) as u64
+}
+
 /// Results that one operand decides alone.
 fn decided(module: &Module, node: &Node, of: &impl Fn(Wire) -> Option<u64>) -> Option<u64> {
     match &node.operation {
@@ -45,6 +50,10 @@ fn evaluated(module: &Module, node: &Node, of: &impl Fn(Wire) -> Option<u64>) ->
         Operation::Add(a, b) => of(*a)?.wrapping_add(of(*b)?),
         Operation::Subtract(a, b) => of(*a)?.wrapping_sub(of(*b)?),
         Operation::Multiply(a, b) => of(*a)?.wrapping_mul(of(*b)?),
+        Operation::MultiplySigned(a, b) => {
+            let signed = |wire: Wire| Some(sign_extended(of(wire)?, module.width(wire)));
+            signed(*a)?.wrapping_mul(signed(*b)?)
+        }
         // Amounts from the width up are decided already.
         Operation::ShiftLeft(a, b) => of(*a)?.checked_shl(of(*b)? as u32)?,
         Operation::ShiftRight(a, b) => of(*a)?.checked_shr(of(*b)? as u32)?,
@@ -67,10 +76,7 @@ fn evaluated(module: &Module, node: &Node, of: &impl Fn(Wire) -> Option<u64>) ->
             joined
         }
         Operation::Slice { from, low } => of(*from)? >> low,
-        Operation::SignExtend(a) => {
-            let above = 64 - module.width(*a);
-            ((of(*a)? << above) as i64 >> above) as u64
-        }
+        Operation::SignExtend(a) => sign_extended(of(*a)?, module.width(*a)),
         Operation::AnyBit(a) => u64::from(of(*a)? != 0),
         Operation::AllBits(a) => u64::from(of(*a)? == low_bits(module.width(*a))),
         Operation::Input | Operation::Register { .. } | Operation::InstanceOutput { .. } => {

@@ -77,6 +77,7 @@ impl Shape {
                 Operation::Slice { from, .. } | Operation::SignExtend(from) => {
                     shape.needs_signal.insert(*from);
                 }
+                Operation::MultiplySigned(a, b) => shape.needs_signal.extend([*a, *b]),
                 _ => {}
             }
             shape.use_all(&node.operation.operands(), wire);

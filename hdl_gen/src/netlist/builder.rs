@@ -176,6 +176,12 @@ impl Builder {
         self.push(Operation::Multiply(a, b), width)
     }
 
+    /// Full product of two's complement words.
+    pub fn multiply_signed(&mut self, a: Wire, b: Wire) -> Wire {
+        let width = self.width(a) + self.width(b);
+        self.push(Operation::MultiplySigned(a, b), width)
+    }
+
     /// `a << amount`, in the width of `a`.
     pub fn shift_left(&mut self, a: Wire, amount: Wire) -> Wire {
         self.push(Operation::ShiftLeft(a, amount), self.width(a))

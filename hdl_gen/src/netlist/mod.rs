@@ -44,6 +44,8 @@ pub enum Operation {
     Subtract(Wire, Wire),
     /// Full product: as wide as both operands together.
     Multiply(Wire, Wire),
+    /// Full product of two's complement words, as wide as both operands together.
+    MultiplySigned(Wire, Wire),
     /// Shift left by a variable amount; zeros come in.
     ShiftLeft(Wire, Wire),
     /// Shift right by a variable amount; zeros come in.
@@ -111,6 +113,7 @@ impl Operation {
             | Operation::Add(a, b)
             | Operation::Subtract(a, b)
             | Operation::Multiply(a, b)
+            | Operation::MultiplySigned(a, b)
             | Operation::ShiftLeft(a, b)
             | Operation::ShiftRight(a, b)
             | Operation::Equal(a, b)
@@ -143,6 +146,7 @@ impl Operation {
             | Operation::Add(a, b)
             | Operation::Subtract(a, b)
             | Operation::Multiply(a, b)
+            | Operation::MultiplySigned(a, b)
             | Operation::ShiftLeft(a, b)
             | Operation::ShiftRight(a, b)
             | Operation::Equal(a, b)

@@ -78,7 +78,9 @@ pub fn delay(module: &Module, wire: Wire) -> Delay {
             LEVEL * width(*amount).min(1 + index_bits(width(*a)))
         }
         // A hard multiplier, or a tree of compressors and an adder.
-        Operation::Multiply(a, b) => LEVEL * (2 + index_bits(width(*a).min(width(*b)))),
+        Operation::Multiply(a, b) | Operation::MultiplySigned(a, b) => {
+            LEVEL * (2 + index_bits(width(*a).min(width(*b))))
+        }
     }
 }
 

@@ -220,6 +220,15 @@ impl Lowering<'_> {
                 let sign = flat.width(base, *from) - 1;
                 return Ok(self.step(Opcode::SignExtend, &words, mask, sign));
             }
+            Operation::MultiplySigned(a, b) => {
+                // The low bits of a product are those of the words extended by their signs.
+                let sides = [(a, words[0]), (b, words[1])].map(|(wire, word)| {
+                    let sign = flat.width(base, *wire) - 1;
+                    self.step(Opcode::SignExtend, &[word], mask, sign)
+                });
+                let product = self.step(Opcode::Multiply, &sides, mask, 0);
+                return Ok(self.step(Opcode::Slice, &[product], mask, 0));
+            }
             Operation::AllBits(from) => {
                 let all = low_bits(flat.width(base, *from));
                 return Ok(self.step(Opcode::AllBits, &words, all, 0));

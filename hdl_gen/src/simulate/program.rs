@@ -15,7 +15,7 @@ pub(super) enum Opcode {
     Add,
     /// `(a - b) & mask`
     Subtract,
-    /// `a * b`, which always fits
+    /// `a * b`, which fits, or whose low bits are wanted
     Multiply,
     /// `(a << b) & mask`, 0 where b reaches 64
     ShiftLeft,

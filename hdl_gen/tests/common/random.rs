@@ -119,7 +119,10 @@ fn build(name: &str, recipe: &Recipe, library: &[Arc<Module>]) -> Arc<Module> {
                 let x = fit(&mut b, x, narrow(width));
                 let other = narrow(b.width(y));
                 let y = fit(&mut b, y, other);
-                b.multiply(x, y)
+                match step.number % 2 {
+                    0 => b.multiply(x, y),
+                    _ => b.multiply_signed(x, y),
+                }
             }
             kind @ 7..=8 => {
                 // Verilator takes no amount above 32 bits, should it work out its value.
