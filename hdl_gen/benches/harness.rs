@@ -2,7 +2,6 @@
 //! register compared as the golden model computes it, against the bare Verilated model, whose
 //! inputs lie ready in memory and whose outputs nobody looks at.
 
-use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::units::{TraverseUnit, UnitConfiguration};
 use hdl_gen::verify::{GoldenRun, HarnessPlan, Verilator, run_verilator, traverse_plan};
 use rtl_model::camera::View;
@@ -23,11 +22,10 @@ const RUNS: usize = 5;
 fn main() -> Result<(), Box<dyn Error>> {
     let map = MapSource::parse("procedural:rocks:256:1")?.load(Channel::Grey, false)?;
     let pyramid = Pyramid::new(&map);
-    let unit = TraverseUnit::build(UnitConfiguration {
-        shape: shape_for(&pyramid),
-        format: FloatFormat::E7F16,
-        latencies: OperatorLatencies::PAPER,
-    });
+    let unit = TraverseUnit::build(UnitConfiguration::oh(
+        shape_for(&pyramid),
+        FloatFormat::E7F16,
+    ));
     let surface = rtl_model::calibration::SURFACES[0].surface;
     let view = View::new(&rtl_model::calibration::OBLIQUE, &surface, 320, 240);
     let mut reading = FloatReading(E7F16);
@@ -37,6 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         pyramid: &pyramid,
         rays: &rays,
         stalls: StallPattern::one_in_eight(1),
+        step: unit.configuration.step,
         latency: unit.latency,
     };
     let verilator = Verilator::find()?;

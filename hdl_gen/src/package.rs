@@ -5,19 +5,18 @@
 //! In the folder: `rtl/` with a file a module, `testbench/` with testbench, vectors and
 //! `manifest.json`, and `NAME.core`.
 
-use crate::datapath::OperatorLatencies;
 use crate::emit::{EmitError, write_design};
 use crate::netlist::Module;
 use crate::operators::{AnyOperator, stream_unit};
 use crate::testbench::{TraverseBench, stream_testbench, traverse_testbench};
-use crate::units::{TraverseUnit, UnitConfiguration, build_step_unit};
-use crate::vectors::{Files, VectorError, operator_vectors, ray_vectors, scene_rays, step_vectors};
-use rtl_model::float::FloatFormat;
+use crate::units::{NoHardware, TraverseUnit, UnitConfiguration, build_step_unit};
+use crate::vectors::{
+    Files, KEPT_EVERY, VectorError, operator_vectors, ray_vectors, scene_rays, step_vectors,
+};
 use rtl_model::machine::StallPattern;
 use rtl_model::maps::Pyramid;
 use rtl_model::ray::Ray;
 use rtl_model::scene::Scene;
-use rtl_model::units::traverse::shape_for;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -33,6 +32,9 @@ pub enum PackageError {
     /// The vectors.
     #[error(transparent)]
     Vectors(#[from] VectorError),
+    /// The walk.
+    #[error(transparent)]
+    NoHardware(#[from] NoHardware),
     /// A folder or file of it.
     #[error("{path}: cannot be written ({problem})")]
     Write {
@@ -59,15 +61,13 @@ pub struct Package {
 /// # Errors
 /// If the scene has no map, no rays or no format of the hardware, or a file cannot be written.
 pub fn package_scene(scene: &Scene, folder: &Path) -> Result<Package, PackageError> {
-    let format = crate::vectors::hardware_format(scene)?;
     let pyramid = Pyramid::new(&scene.load_map().map_err(VectorError::from)?);
-    let rays = scene_rays(scene, format, &pyramid)?;
-    let unit = TraverseUnit::build(UnitConfiguration {
-        shape: shape_for(&pyramid),
-        format,
-        latencies: OperatorLatencies::PAPER,
-    });
-    let vectors = ray_vectors(format, &pyramid, &rays);
+    let configuration = UnitConfiguration::of(scene.walk, &pyramid)?;
+    configuration.check_loop()?;
+    let rays = scene_rays(scene, &pyramid)?.into_iter();
+    let rays: Vec<Ray<u64>> = rays.map(|ray| configuration.port_words(ray)).collect();
+    let unit = TraverseUnit::build(configuration);
+    let vectors = ray_vectors(&unit, &pyramid, &rays);
     let bench = TraverseBench::new(&unit, &vectors, StallPattern::one_in_eight(1));
     let mut files = Files::default();
     files.add_rays(&unit.design, &vectors, scene);
@@ -113,22 +113,18 @@ pub fn package_operator(
     )
 }
 
-/// The step of the traverse unit behind handshakes, with steps out of the walks of these rays.
+/// A step behind handshakes, with steps out of the walks of these rays.
 ///
 /// # Errors
 /// If a file cannot be written.
 pub fn package_step(
-    format: FloatFormat,
+    configuration: &UnitConfiguration,
     pyramid: &Pyramid,
-    rays: &[Ray<u64>],
+    rays: &[Ray<f64>],
     folder: &Path,
 ) -> Result<Package, PackageError> {
-    let unit = build_step_unit(&UnitConfiguration {
-        shape: shape_for(pyramid),
-        format,
-        latencies: OperatorLatencies::PAPER,
-    });
-    let set = step_vectors(&unit, format, pyramid, rays);
+    let unit = build_step_unit(configuration);
+    let set = step_vectors(&unit, configuration, pyramid, rays, KEPT_EVERY);
     let mut files = Files::default();
     files.add_step("vectors", &unit, &set, None);
     let testbench = format!("testbench_{}", unit.name);

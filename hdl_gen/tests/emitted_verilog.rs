@@ -28,14 +28,13 @@ fn designs() -> Vec<(String, Arc<Module>)> {
     let mut designs = Vec::new();
     for root_level in [1, 8, 12] {
         for height_bits in [8, 16] {
-            let unit = TraverseUnit::build(UnitConfiguration {
-                shape: TraverseShape {
+            let unit = TraverseUnit::build(UnitConfiguration::oh(
+                TraverseShape {
                     root_level,
                     height_bits,
                 },
-                format: FORMAT,
-                latencies: OperatorLatencies::PAPER,
-            });
+                FORMAT,
+            ));
             let size = 1 << root_level;
             let label = format!("traverse, {size} x {size}, {height_bits} bits");
             designs.push((label, unit.design));

@@ -8,7 +8,6 @@ mod rays;
 #[path = "common/tools.rs"]
 mod tools;
 
-use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::units::{TraverseUnit, UnitConfiguration};
 use hdl_gen::verify::{Comparison, GoldenRun, run_embedded, run_verilator, traverse_plan};
 use rtl_model::float::FloatFormat;
@@ -45,16 +44,13 @@ fn expect_agreement(
     compare: impl FnOnce(&TraverseUnit, &GoldenRun<'_>) -> Comparison,
 ) {
     let pyramid = Pyramid::new(map);
-    let unit = TraverseUnit::build(UnitConfiguration {
-        shape: shape_for(&pyramid),
-        format,
-        latencies: OperatorLatencies::PAPER,
-    });
+    let unit = TraverseUnit::build(UnitConfiguration::oh(shape_for(&pyramid), format));
     let rays = rays::rays(format, count);
     let run = GoldenRun {
         pyramid: &pyramid,
         rays: &rays,
         stalls: StallPattern::one_in_eight(7),
+        step: unit.configuration.step,
         latency: unit.latency,
     };
     assert_eq!(traverse_plan(&unit, &run).word_bits, record_bits);

@@ -1,6 +1,5 @@
 //! The testbenches under Verilator's lint, all warnings on.
 
-use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::emit::write_design;
 use hdl_gen::netlist::Module;
 use hdl_gen::operators::{FloatOperator, OperatorConfiguration, stream_unit};
@@ -39,14 +38,13 @@ fn testbenches_are_clean_under_lint() {
         println!("{missing}: this check is left out");
         return;
     }
-    let unit = TraverseUnit::build(UnitConfiguration {
-        shape: TraverseShape {
+    let unit = TraverseUnit::build(UnitConfiguration::oh(
+        TraverseShape {
             root_level: 6,
             height_bits: 8,
         },
-        format: FloatFormat::E7F16,
-        latencies: OperatorLatencies::PAPER,
-    });
+        FloatFormat::E7F16,
+    ));
     let bench = TraverseBench {
         rays: 700,
         stalls: StallPattern::one_in_eight(7),

@@ -1,11 +1,12 @@
 //! The committed vectors' like under Icarus Verilog and the embedded simulator.
 
-use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::fault::plant;
 use hdl_gen::netlist::Module;
 use hdl_gen::operators::stream_unit;
 use hdl_gen::units::{UnitConfiguration, build_step_unit};
-use hdl_gen::vectors::{VectorPlan, VectorSet, operator_vectors, scene_rays, step_vectors};
+use hdl_gen::vectors::{
+    KEPT_EVERY, VectorPlan, VectorSet, operator_vectors, scene_rays, step_vectors,
+};
 use hdl_gen::verify::{Icarus, run_vectors_embedded};
 use rtl_model::float::FloatFormat;
 use rtl_model::maps::Pyramid;
@@ -48,13 +49,10 @@ fn units() -> Vec<(Arc<Module>, VectorSet)> {
         })
         .collect();
     let pyramid = Pyramid::new(&plan.scene.load_map().unwrap());
-    let step = build_step_unit(&UnitConfiguration {
-        shape: shape_for(&pyramid),
-        format: FORMAT,
-        latencies: OperatorLatencies::PAPER,
-    });
-    let rays = scene_rays(&plan.scene, FORMAT, &pyramid).unwrap();
-    let set = step_vectors(&step, FORMAT, &pyramid, &rays);
+    let configuration = UnitConfiguration::oh(shape_for(&pyramid), FORMAT);
+    let step = build_step_unit(&configuration);
+    let rays = scene_rays(&plan.scene, &pyramid).unwrap();
+    let set = step_vectors(&step, &configuration, &pyramid, &rays, KEPT_EVERY);
     units.push((step, set));
     units
 }

@@ -1,6 +1,5 @@
 //! The whole traverse unit under Icarus Verilog: every register, every cycle.
 
-use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::fault::plant;
 use hdl_gen::testbench::{FieldDifference, TraverseBench, Verdict};
 use hdl_gen::units::{TraverseUnit, UnitConfiguration};
@@ -29,13 +28,11 @@ impl Frame {
         let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/small.toml");
         let scene = Scene::load(&scene).unwrap();
         let pyramid = Pyramid::new(&scene.load_map().unwrap());
+        let configuration = UnitConfiguration::oh(shape_for(&pyramid), FORMAT);
+        let rays = scene_rays(&scene, &pyramid).unwrap().into_iter();
         Frame {
-            rays: scene_rays(&scene, FORMAT, &pyramid).unwrap(),
-            unit: TraverseUnit::build(UnitConfiguration {
-                shape: shape_for(&pyramid),
-                format: FORMAT,
-                latencies: OperatorLatencies::PAPER,
-            }),
+            rays: rays.map(|ray| configuration.port_words(ray)).collect(),
+            unit: TraverseUnit::build(configuration),
             pyramid,
         }
     }
@@ -45,6 +42,7 @@ impl Frame {
             pyramid: &self.pyramid,
             rays: &self.rays[..rays],
             stalls: StallPattern::one_in_eight(7),
+            step: self.unit.configuration.step,
             latency: self.unit.latency,
         }
     }
@@ -204,7 +202,7 @@ fn the_testbench_passes_the_committed_hits_and_names_a_wrong_one() {
 fn the_testbench_of_no_rays_fails() {
     let Some(icarus) = icarus() else { return };
     let frame = Frame::small();
-    let vectors = ray_vectors(FORMAT, &frame.pyramid, &[]);
+    let vectors = ray_vectors(&frame.unit, &frame.pyramid, &[]);
     let empty = verdict(&icarus, &frame, &vectors);
     assert!(!empty.passed, "{empty:?}");
     assert_eq!(empty.vectors, 0);

@@ -3,7 +3,7 @@
 use super::integer_product::integer_product;
 use super::record::Recording;
 use super::schedule::{OperatorLatencies, Schedule};
-use super::signal::{Kind, RecordedOperation, SignalId};
+use super::signal::{Kind, Recorded, RecordedOperation, SignalId};
 use super::word_logic;
 use crate::netlist::{Builder, Meaning, Module, Wire};
 use crate::operators::{FloatOperator, OperatorConfiguration};
@@ -53,9 +53,13 @@ pub struct BuiltDatapath {
     pub registers: Vec<PipelineRegister>,
     /// Cycles from the first input to the outputs.
     pub latency: u32,
+    /// Operations recorded: the words that the golden reading keeps for an evaluation.
+    pub word_count: usize,
     /// For every output port that is the result of an operation: its place among the words of the
     /// golden reading.
     pub output_words: BTreeMap<String, usize>,
+    /// For every output port: the stage in which it leaves, the last one but for early outputs.
+    pub output_stages: BTreeMap<String, u32>,
     /// For every output port: what it is computed from in the same cycle.
     pub output_sources: BTreeMap<String, Vec<Source>>,
 }
@@ -90,16 +94,16 @@ pub fn build(
             Some((format!("{}_o", output.name), word))
         })
         .collect();
+    let output_stages = recording
+        .outputs
+        .iter()
+        .map(|output| (format!("{}_o", output.name), schedule.stage_of(output)))
+        .collect();
     let output_sources = recording
         .outputs
         .iter()
         .map(|output| {
-            let available = schedule.available[output.signal.index()].unwrap_or(0);
-            let stage = if output.early {
-                available
-            } else {
-                schedule.last_stage
-            };
+            let stage = schedule.stage_of(output);
             let mut sources = Vec::new();
             build.trace(output.signal, stage, &mut sources);
             (format!("{}_o", output.name), sources)
@@ -109,7 +113,9 @@ pub fn build(
         module: build.builder.finish(),
         registers: build.registers,
         latency: schedule.last_stage,
+        word_count: recording.word_count(),
         output_words,
+        output_stages,
         output_sources,
     }
 }
@@ -151,12 +157,7 @@ impl Build<'_> {
             self.operations_of(stage);
         }
         for output in &self.recording.outputs {
-            let available = self.schedule.available[output.signal.index()].unwrap_or(0);
-            let stage = if output.early {
-                available
-            } else {
-                self.schedule.last_stage
-            };
+            let stage = self.schedule.stage_of(output);
             let wire = self.wire(output.signal, stage);
             self.builder.output(&format!("{}_o", output.name), wire);
         }
@@ -195,7 +196,11 @@ impl Build<'_> {
     }
 
     fn add_register(&mut self, id: SignalId, stage: u32) {
-        let input_place = || self.recording.inputs().position(|input| input == id);
+        let read = match self.recording.signal(id).operation {
+            RecordedOperation::IntFromHeight(height) => height,
+            _ => id,
+        };
+        let input_place = || self.recording.inputs().position(|input| input == read);
         let word = self.recording.signal(id).word;
         let is_delay = self.schedule.available[id.index()] != Some(stage);
         let operation = &self.recording.signal(id).operation;
@@ -263,9 +268,20 @@ impl Build<'_> {
     }
 
     fn name(&self, id: SignalId) -> String {
-        match self.recording.signal(id).name {
-            Some(name) => name.to_owned(),
-            None => format!("operation_{}", id.index()),
+        let signal = self.recording.signal(id);
+        match (signal.name, signal.operation) {
+            (Some(name), _) => name.to_owned(),
+            (None, RecordedOperation::IntFromHeight(height)) => {
+                format!("{}_as_integer", self.name(height))
+            }
+            (None, _) => {
+                let before = &self.recording.signals[..id.index()];
+                let is_reading = |signal: &&Recorded| {
+                    matches!(signal.operation, RecordedOperation::IntFromHeight(_))
+                };
+                let readings = before.iter().filter(is_reading).count();
+                format!("operation_{}", id.index() - readings)
+            }
         }
     }
 
@@ -380,6 +396,10 @@ impl Build<'_> {
                 let height = self.wire(height, stage);
                 let height = self.builder.slice(height, bits - 1, 0);
                 self.instance(id, FloatOperator::DepthFromHeight { bits }, any, &[height])
+            }
+            IntFromHeight(height) => {
+                let height = self.wire(height, stage);
+                self.builder.zero_extend(height, width)
             }
             NegateIf(condition, a) => {
                 let (condition, a) = (self.wire(condition, stage), self.wire(a, stage));

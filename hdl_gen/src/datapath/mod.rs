@@ -9,6 +9,6 @@ mod signal;
 mod word_logic;
 
 pub use build::{BuiltDatapath, PipelineRegister, Source, build};
-pub use record::{Recorder, Recording};
+pub use record::{Output, Recorder, Recording};
 pub use schedule::{OperatorLatencies, Schedule, schedule};
 pub use signal::{BitSignal, IntSignal, Kind, NumSignal, Recorded, RecordedOperation, SignalId};

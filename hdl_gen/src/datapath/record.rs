@@ -53,6 +53,15 @@ impl Recording {
         (0..self.signals.len()).filter(is_input).map(SignalId)
     }
 
+    /// Adds a result, delivered in the last stage with the others.
+    pub fn add_output(&mut self, name: impl Into<String>, signal: impl Into<SignalId>) {
+        self.outputs.push(Output {
+            name: name.into(),
+            signal: signal.into(),
+            early: false,
+        });
+    }
+
     /// Operations recorded: the words that the golden reading keeps for an evaluation.
     pub fn word_count(&self) -> usize {
         self.signals
@@ -92,9 +101,17 @@ impl Recorder {
         IntSignal(self.input(name, stage, Kind::Int(bits)))
     }
 
-    /// A height of `bits` bits from outside, for `depth_from_height`.
+    /// A height of `bits` bits from outside: for `depth_from_height`, or an integer that is not
+    /// negative.
     pub fn height_input(&mut self, name: &'static str, bits: u32, stage: u32) -> IntSignal {
-        IntSignal(self.input(name, stage, Kind::Height(bits)))
+        let height = self.input(name, stage, Kind::Height(bits));
+        self.recording.signals.push(Recorded {
+            operation: RecordedOperation::IntFromHeight(height),
+            kind: Kind::Int(bits + 1),
+            name: None,
+            word: None,
+        });
+        IntSignal(SignalId(self.recording.signals.len() - 1))
     }
 
     /// A bit from outside.
@@ -114,11 +131,7 @@ impl Recorder {
 
     /// A result, delivered in the last stage with the others.
     pub fn output(&mut self, name: impl Into<String>, signal: impl Into<SignalId>) {
-        self.recording.outputs.push(Output {
-            name: name.into(),
-            signal: signal.into(),
-            early: false,
-        });
+        self.recording.add_output(name, signal);
     }
 
     /// A result that leaves in the stage in which it is computed.
@@ -245,7 +258,12 @@ impl Arith for Recorder {
         self.int(RecordedOperation::Floor(a.0, bits), bits)
     }
     fn depth_from_height(&mut self, height: IntSignal, bits: u32) -> NumSignal {
-        self.num(RecordedOperation::DepthFromHeight(height.0, bits))
+        // The height itself, if it is one that comes from outside.
+        let height = match self.recording.signal(height.0).operation {
+            RecordedOperation::IntFromHeight(height) => height,
+            _ => height.0,
+        };
+        self.num(RecordedOperation::DepthFromHeight(height, bits))
     }
 
     fn int_constant(&mut self, value: i64) -> IntSignal {

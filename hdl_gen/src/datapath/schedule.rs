@@ -1,6 +1,6 @@
 //! In which pipeline stage each operation of a datapath stands.
 
-use super::record::Recording;
+use super::record::{Output, Recording};
 use super::signal::{RecordedOperation, SignalId};
 use crate::operators::{FixedOperator, FloatOperator};
 use serde::{Deserialize, Serialize};
@@ -89,6 +89,16 @@ pub struct Schedule {
     pub last_stage: u32,
 }
 
+impl Schedule {
+    /// The stage in which an output leaves.
+    pub fn stage_of(&self, output: &Output) -> u32 {
+        match output.early {
+            true => self.available[output.signal.index()].unwrap_or(0),
+            false => self.last_stage,
+        }
+    }
+}
+
 /// The shortest schedule, with few registers.
 ///
 /// The length is that of every operation starting as soon as its operands are there. Within it
@@ -136,10 +146,7 @@ pub fn schedule(recording: &Recording, latencies: &OperatorLatencies) -> Schedul
         *last = (*last).max(Some(stage));
     };
     for output in &recording.outputs {
-        let stage = match output.early {
-            true => schedule.available[output.signal.index()].unwrap_or(0),
-            false => schedule.last_stage,
-        };
+        let stage = schedule.stage_of(output);
         read(&mut schedule, &mut first_read, output.signal, stage);
     }
     for index in (0..count).rev() {

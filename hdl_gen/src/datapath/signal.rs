@@ -46,7 +46,8 @@ pub enum Kind {
     Num,
     /// A two's complement integer of this many bits: enough for every value its operands allow.
     Int(u32),
-    /// An unsigned height of this many bits; only `depth_from_height` reads it.
+    /// An unsigned height of this many bits, for `depth_from_height`; what else reads it reads
+    /// [`RecordedOperation::IntFromHeight`].
     Height(u32),
     /// One bit.
     Bit,
@@ -96,6 +97,9 @@ pub enum RecordedOperation {
     Floor(SignalId, u32),
     /// `depth_from_height`: height, its bits.
     DepthFromHeight(SignalId, u32),
+    /// A height as an integer, with a zero in front: no operation of a datapath, so the golden
+    /// reading has no word for it.
+    IntFromHeight(SignalId),
     /// `int_constant` and `bit_constant`.
     Constant(i64),
     /// `int_add`.
@@ -146,6 +150,7 @@ impl RecordedOperation {
             | Scale(a, _)
             | Floor(a, _)
             | DepthFromHeight(a, _)
+            | IntFromHeight(a)
             | IntBitLength(a)
             | IntWrap(a, _)
             | IntLowBits(a, _)
@@ -193,6 +198,6 @@ pub struct Recorded {
     /// Its name, if the datapath gave it one.
     pub name: Option<&'static str>,
     /// For the result of an operation: its place among all operations, which is its place among
-    /// the words of the golden reading `Traced`. Inputs have none.
+    /// the words of the golden reading `Traced`. Inputs have none, nor has a height's reading as an integer.
     pub word: Option<usize>,
 }

@@ -29,7 +29,7 @@ impl TraverseBench {
         let steps_of = |hit: &Vec<u64>| steps.map_or(0, |place| hit[place]);
         let steps: u64 = vectors.hits.vectors.iter().map(steps_of).sum();
         let rays = vectors.rays.vectors.len();
-        let trip = u64::from(unit.latency) + 1;
+        let trip = u64::from(unit.latency.step) + 1;
         TraverseBench {
             rays,
             stalls,
@@ -53,7 +53,8 @@ pub fn traverse_testbench(unit: &TraverseUnit, bench: &TraverseBench) -> String 
                 &format!("{:04x}", bench.stalls.state().unwrap_or(0)),
             ),
             ("WATCHDOG", &watchdog.to_string()),
-            ("LATENCY", &unit.latency.to_string()),
+            ("LATENCY", &unit.latency.step.to_string()),
+            ("SETUP_LATENCY", &unit.latency.setup.to_string()),
             (
                 "NUMBER_BITS",
                 &unit.configuration.format.width().to_string(),

@@ -1,8 +1,9 @@
 //! What is compared in every cycle, and what the golden model says it must be.
 
 use crate::netlist::Meaning;
-use rtl_model::machine::{CycleInputs, STEP_INPUTS, TraverseMachine};
+use rtl_model::machine::{CycleInputs, TraverseMachine};
 use rtl_model::readings::Word;
+use rtl_model::units::step::Step;
 
 /// A signal of the design whose value the golden model knows in every cycle.
 #[derive(Clone, Debug)]
@@ -37,7 +38,8 @@ impl Probe {
 }
 
 /// The words the golden machine says of one cycle, in a fixed order: what its control does in this
-/// cycle, what stands in front of the first stage, and the result of every operation on it.
+/// cycle, what stands in front of the first stage and the result of every operation on it; then,
+/// for every stage of the setup's pipeline, what stands there and all results of it.
 #[derive(Clone, Debug, Default)]
 pub struct CycleWords(pub Vec<u64>);
 
@@ -50,16 +52,14 @@ impl CycleWords {
     pub const VALID: usize = 2;
     /// Place of the first stage's id.
     pub const ID: usize = 3;
-    /// Place of the first of [`STEP_INPUTS`].
+    /// Place of the first of the step's registers.
     pub const INPUTS: usize = 4;
-    /// Place of the first operation's result.
-    pub const OPERATIONS: usize = Self::INPUTS + STEP_INPUTS.len();
 
     /// Takes the words of the machine's present cycle.
-    pub fn take<R: Word>(
+    pub fn take<R: Word, S: Step>(
         &mut self,
-        machine: &TraverseMachine<'_, R>,
-        inputs: &CycleInputs<R::Num>,
+        machine: &TraverseMachine<'_, R, S>,
+        inputs: &CycleInputs,
     ) {
         let outputs = machine.outputs(inputs);
         let entry = machine.entry();
@@ -71,5 +71,47 @@ impl CycleWords {
         words.push(entry.id.into());
         words.extend_from_slice(&entry.inputs);
         words.extend_from_slice(&entry.words);
+        for entry in machine.setup_entries() {
+            words.push(entry.valid.into());
+            words.push(entry.id.into());
+            words.extend_from_slice(&entry.inputs);
+            words.extend_from_slice(&entry.words);
+        }
+    }
+}
+
+/// Where the words of a unit's cycles stand: how many there are of each kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CycleLayout {
+    /// Registers in front of the step.
+    pub registers: usize,
+    /// Operations of the step.
+    pub operations: usize,
+    /// Ports of a ray.
+    pub ray_ports: usize,
+    /// Operations of the setup.
+    pub setup_operations: usize,
+}
+
+impl CycleLayout {
+    /// Place of the result of an operation of the step.
+    pub fn operation(&self, word: usize) -> usize {
+        CycleWords::INPUTS + self.registers + word
+    }
+
+    /// Place of the valid bit of a stage of the setup, 1 the first; the id is behind it.
+    pub fn setup_valid(&self, stage: u32) -> usize {
+        let of_a_stage = 2 + self.ray_ports + self.setup_operations;
+        self.operation(self.operations) + (stage as usize - 1) * of_a_stage
+    }
+
+    /// Place of a ray's port in a stage of the setup.
+    pub fn setup_input(&self, stage: u32, place: usize) -> usize {
+        self.setup_valid(stage) + 2 + place
+    }
+
+    /// Place of the result of an operation in a stage of the setup.
+    pub fn setup_operation(&self, stage: u32, word: usize) -> usize {
+        self.setup_input(stage, self.ray_ports) + word
     }
 }

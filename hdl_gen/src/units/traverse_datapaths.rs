@@ -1,199 +1,196 @@
-//! The two datapaths of the traverse unit, recorded from the functions the golden model evaluates.
+//! The two datapaths of a traverse unit, recorded from the functions the golden model evaluates.
 
-use super::traverse::UnitConfiguration;
-use crate::datapath::{BuiltDatapath, IntSignal, Recorder, build, schedule};
-use rtl_model::machine::STEP_INPUTS;
-use rtl_model::units::search_policy::SearchPolicy;
-use rtl_model::units::step::RegisterKind;
-use rtl_model::units::traverse_setup::{RayRegisters, traverse_setup};
-use rtl_model::units::traverse_step::{WalkRegisters, node_address, traverse_step};
+use super::configuration::UnitConfiguration;
+use crate::datapath::{
+    BuiltDatapath, Kind, RecordedOperation, Recorder, Recording, SignalId, build, schedule,
+};
+use rtl_model::units::step::{Register, RegisterKind, Signal, Step};
 
-/// The module `traverse_setup`: combinational, a ray's ports in, its registers out.
-pub fn build_setup(configuration: &UnitConfiguration) -> BuiltDatapath {
-    let mut recorder = Recorder::new(configuration.format);
-    let u = recorder.num_input("u", 0);
-    let v = recorder.num_input("v", 0);
-    let du = recorder.num_input("du", 0);
-    let dv = recorder.num_input("dv", 0);
-    let setup = traverse_setup(
-        &mut recorder,
-        configuration.shape,
-        SearchPolicy::OH,
-        u,
-        v,
-        du,
-        dv,
-    );
-    let ray = setup.ray;
-    for (name, signal) in [
-        ("u", ray.u),
-        ("v", ray.v),
-        ("du", ray.du),
-        ("dv", ray.dv),
-        ("exact_below_u", ray.exact_below_u),
-        ("exact_below_v", ray.exact_below_v),
-    ] {
-        recorder.output(name, signal);
+/// Where the loop takes what a fresh ray has in a register.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FreshValue {
+    /// From this port of the setup.
+    Port(String),
+    /// It is the same for every ray.
+    Constant(u64),
+}
+
+/// The setup as hardware.
+#[derive(Clone, Debug)]
+pub struct BuiltSetup {
+    /// The module `traverse_setup`: a ray's ports in, its registers out. It is pipelined where an
+    /// operation of it needs cycles, else combinational.
+    pub datapath: BuiltDatapath,
+    /// For every register in front of the step, in order.
+    pub fresh: Vec<FreshValue>,
+}
+
+/// A signal from outside.
+fn input(recorder: &mut Recorder, (name, kind): Register) -> Signal<Recorder> {
+    match kind {
+        RegisterKind::Number => Signal::Number(recorder.num_input(name, 0)),
+        RegisterKind::Integer(bits) => Signal::Integer(recorder.int_input(name, bits, 0)),
+        RegisterKind::Bit => Signal::Bit(recorder.bit_input(name, 0)),
     }
-    recorder.output("mirror_u", ray.mirror_u);
-    recorder.output("mirror_v", ray.mirror_v);
-    recorder.output("root_i", setup.i);
-    recorder.output("root_j", setup.j);
-    let recording = recorder.finish();
-    // Comparisons and arithmetic would need cycles; there are none in the setup.
+}
+
+fn id(signal: Signal<Recorder>) -> SignalId {
+    match signal {
+        Signal::Number(number) => number.into(),
+        Signal::Integer(integer) => integer.into(),
+        Signal::Bit(bit) => bit.into(),
+    }
+}
+
+/// The declared registers beside the signals that a datapath gives for them.
+///
+/// # Panics
+/// If they are not of one kind and number: a mistake in the step's own declarations.
+fn paired(
+    step: &impl Step,
+    recording: &Recording,
+    registers: &[Register],
+    signals: &[Signal<Recorder>],
+) -> Vec<(&'static str, SignalId)> {
+    assert_eq!(registers.len(), signals.len(), "{}", step.name());
+    let pairs = registers
+        .iter()
+        .zip(signals)
+        .map(|(&(name, kind), &signal)| {
+            let (signal_id, of_kind) = (id(signal), recording.signal(id(signal)).kind);
+            let fits = match (kind, of_kind) {
+                (RegisterKind::Number, Kind::Num) | (RegisterKind::Bit, Kind::Bit) => true,
+                // Of a value's bits a register keeps those that it has.
+                (RegisterKind::Integer(_), Kind::Int(_)) => true,
+                _ => false,
+            };
+            assert!(fits, "{}: {name} is {kind:?}, not {of_kind:?}", step.name());
+            (name, signal_id)
+        });
+    pairs.collect()
+}
+
+/// The registers in front of a step: what a ray keeps, then what its walk changes.
+pub fn step_registers(step: &impl Step) -> Vec<Register> {
+    let mut registers = step.ray_registers();
+    registers.extend(step.walk_registers());
+    registers
+}
+
+/// The setup of a configuration's step.
+pub fn build_setup(configuration: &UnitConfiguration) -> BuiltSetup {
+    let step = configuration.step;
+    let mut recorder = Recorder::new(configuration.format);
+    let ports = step.ray_ports();
+    let ray: Vec<_> = ports
+        .iter()
+        .map(|&port| input(&mut recorder, port))
+        .collect();
+    let signals = step.set_up(&mut recorder, &ray);
+    let mut recording = recorder.finish();
+    let registers = step_registers(&step);
+    let mut fresh = Vec::new();
+    for (&(name, kind), (_, signal)) in registers
+        .iter()
+        .zip(paired(&step, &recording, &registers, &signals))
+    {
+        let recorded = recording.signal(signal);
+        fresh.push(match (recorded.operation, kind) {
+            (RecordedOperation::Zero, _) => FreshValue::Constant(0),
+            (RecordedOperation::Constant(value), RegisterKind::Integer(bits)) => {
+                FreshValue::Constant(value.cast_unsigned() & (u64::MAX >> (64 - bits)))
+            }
+            (RecordedOperation::Constant(value), _) => FreshValue::Constant(value.cast_unsigned()),
+            _ => {
+                // What is narrower than its register leaves under its own name.
+                let is_narrower = kind != RegisterKind::Number
+                    && kind != RegisterKind::Bit
+                    && kind != RegisterKind::Integer(recording.width(signal));
+                let own = recorded.name.filter(|_| is_narrower);
+                let port = own.unwrap_or(name);
+                recording.add_output(port, signal);
+                FreshValue::Port(format!("{port}_o"))
+            }
+        });
+    }
     let schedule = schedule(&recording, &configuration.latencies);
-    build(
+    let mut description =
+        vec!["What is done to a ray once, before its first step, which is:".to_owned()];
+    description.extend(configuration.description());
+    if schedule.last_stage > 0 {
+        description.push(configuration.cycles_line(schedule.last_stage));
+    }
+    let datapath = build(
         &recording,
         &schedule,
         &configuration.latencies,
         "traverse_setup",
-        &[
-            "Mirrors a ray so that it travels toward larger u and v.".to_owned(),
-            format!("format: {}", configuration.format),
-            "golden: rtl_model::units::traverse_setup::traverse_setup".to_owned(),
-        ],
-    )
+        &description,
+    );
+    BuiltSetup { datapath, fresh }
 }
 
-/// The module `traverse_step`: pipelined, a ray's registers in, a step later out.
+/// The module of a step: pipelined, a ray's registers in, a step later out.
 ///
-/// Inputs are [`STEP_INPUTS`] in stage 0 and `height` one cycle of memory later; outputs are the
-/// same registers after the step, the position and the texel; `node_address` leaves in stage 0.
+/// Inputs are the registers in stage 0, and the heights when the memory has answered; outputs are
+/// the same registers after the step and what the hit would be; the address leaves as soon as it
+/// is there.
 pub fn build_step(configuration: &UnitConfiguration) -> BuiltDatapath {
-    let mut recorder = Recorder::new(configuration.format);
-    let mut numbers = Vec::new();
-    let mut integers = Vec::new();
-    let mut bits = Vec::new();
-    for (name, kind) in STEP_INPUTS {
-        match kind {
-            RegisterKind::Number => numbers.push(recorder.num_input(name, 0)),
-            RegisterKind::Integer(width) => integers.push(recorder.int_input(name, width, 0)),
-            RegisterKind::Bit => bits.push(recorder.bit_input(name, 0)),
-        }
-    }
-    let height_bits = configuration.shape.height_bits;
-    let height: IntSignal =
-        recorder.height_input("height", height_bits, configuration.memory_latency());
-    let [u, v, du, dv, exact_below_u, exact_below_v, t] = numbers[..] else {
-        unreachable!("seven numbers");
-    };
-    let [level, i, j, steps, crossings] = integers[..] else {
-        unreachable!("five integers");
-    };
-    let [
-        mirror_u,
-        mirror_v,
-        at_border_v,
-        corner_owed,
-        corner_paid,
-        hit,
-        guard,
-    ] = bits[..]
-    else {
-        unreachable!("seven bits");
-    };
-    let ray = RayRegisters {
-        u,
-        v,
-        du,
-        dv,
-        exact_below_u,
-        exact_below_v,
-        mirror_u,
-        mirror_v,
-    };
-    let walk = WalkRegisters {
-        level,
-        i,
-        j,
-        t,
-        at_border_v,
-        corner_owed,
-        corner_paid,
-        passed: None,
-        crossed_before: None,
-        steps,
-        crossings,
-        hit,
-        guard,
-    };
-    // In the order in which the golden model evaluates them.
-    let address = node_address(
-        &mut recorder,
-        configuration.shape,
-        SearchPolicy::OH,
-        &ray,
-        &walk,
-    );
-    let result = traverse_step(
-        &mut recorder,
-        configuration.shape,
-        SearchPolicy::OH,
-        &ray,
-        &walk,
-        height,
-    );
-
-    recorder.early_output("node_address", address);
-    for (name, signal) in [
-        ("u", ray.u),
-        ("v", ray.v),
-        ("du", ray.du),
-        ("dv", ray.dv),
-        ("exact_below_u", ray.exact_below_u),
-        ("exact_below_v", ray.exact_below_v),
-    ] {
-        recorder.output(name, signal);
-    }
-    let next = result.walk;
-    recorder.output("mirror_u", ray.mirror_u);
-    recorder.output("mirror_v", ray.mirror_v);
-    recorder.output("level", next.level);
-    recorder.output("i", next.i);
-    recorder.output("j", next.j);
-    recorder.output("t", next.t);
-    recorder.output("at_border_v", next.at_border_v);
-    recorder.output("corner_owed", next.corner_owed);
-    recorder.output("corner_paid", next.corner_paid);
-    recorder.output("steps", next.steps);
-    recorder.output("crossings", next.crossings);
-    recorder.output("hit", next.hit);
-    recorder.output("guard", next.guard);
-    recorder.output("position_u", result.position_u);
-    recorder.output("position_v", result.position_v);
-    recorder.output("texel_i", result.texel_i);
-    recorder.output("texel_j", result.texel_j);
-    let recording = recorder.finish();
-    let schedule = schedule(&recording, &configuration.latencies);
+    let step = configuration.step;
     let latencies = configuration.latencies;
-    build(
-        &recording,
-        &schedule,
-        &latencies,
-        "traverse_step",
-        &[
-            "One step of the walk down and across the pyramid of maximum heights: method oh."
-                .to_owned(),
-            format!("format: {}", configuration.format),
-            format!(
-                "map: {0} x {0} texels, heights of {1} bits",
-                configuration.shape.size(),
-                height_bits
-            ),
-            format!(
-                "cycles: adder {}, multiplier {}, divider {}, comparator {}, conversion {}; {} in all",
-                latencies.adder,
-                latencies.multiplier,
-                latencies.divider,
-                latencies.comparator,
-                latencies.conversion,
-                schedule.last_stage
-            ),
-            format!(
-                "height_i is read {} cycle(s) after the other inputs",
-                configuration.memory_latency()
-            ),
-            "golden: rtl_model::units::traverse_step::traverse_step".to_owned(),
-        ],
-    )
+    // The stage of the address does not depend on when its answer comes.
+    let asked = record_step(configuration, 0);
+    let asked_in = schedule(&asked, &latencies).stage_of(&asked.outputs[0]);
+    let answered_in = asked_in + configuration.memory_latency();
+    let recording = record_step(configuration, answered_in);
+    let schedule = schedule(&recording, &latencies);
+
+    let mut description = configuration.description();
+    description.push(configuration.cycles_line(schedule.last_stage));
+    let height_ports: Vec<String> = step
+        .height_ports()
+        .iter()
+        .map(|(name, _)| format!("{name}_i"))
+        .collect();
+    let read = match &height_ports[..] {
+        [only] => format!("{only} is"),
+        [first, .., last] => format!("{first} to {last} are"),
+        [] => unreachable!("a step reads the memory"),
+    };
+    description.push(format!(
+        "{read} read {answered_in} cycle(s) after the other inputs"
+    ));
+    build(&recording, &schedule, &latencies, step.name(), &description)
+}
+
+/// A step with heights that arrive in this stage. The address is the first output.
+fn record_step(configuration: &UnitConfiguration, height_stage: u32) -> Recording {
+    let step = configuration.step;
+    let mut recorder = Recorder::new(configuration.format);
+    let registers = step_registers(&step);
+    let signals: Vec<_> = registers
+        .iter()
+        .map(|&port| input(&mut recorder, port))
+        .collect();
+    let heights: Vec<_> = step
+        .height_ports()
+        .iter()
+        .map(|&(name, bits)| recorder.height_input(name, bits, height_stage))
+        .collect();
+    // In the order in which the golden model evaluates them.
+    let address = step.address(&mut recorder, &signals);
+    let (walk, named) = step.step(&mut recorder, &signals, &heights);
+
+    recorder.early_output(step.address_port(), address);
+    for (&(name, _), &signal) in step.ray_registers().iter().zip(&signals) {
+        recorder.output(name, id(signal));
+    }
+    let mut recording = recorder.finish();
+    for (name, signal) in paired(&step, &recording, &step.walk_registers(), &walk) {
+        recording.add_output(name, signal);
+    }
+    for (name, signal) in named {
+        recording.add_output(name, id(signal));
+    }
+    recording
 }

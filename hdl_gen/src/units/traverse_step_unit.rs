@@ -1,30 +1,41 @@
-//! The step alone, behind handshakes, for those who check it on its own.
+//! A step alone, behind handshakes, for those who check it on its own.
 
-use super::traverse::UnitConfiguration;
+use super::configuration::UnitConfiguration;
 use super::traverse_datapaths::build_step;
 use crate::netlist::{Builder, Module, Wire};
 use crate::operators::stream_unit;
 use crate::pipeline::ENABLE;
+use rtl_model::units::step::Step;
 use std::sync::Arc;
 
-/// The module `traverse_step_unit`: the step with `valid`/`ready` handshakes (see
-/// [`stream_unit`]), a ray's registers and the height of its node in together, all results out
-/// together.
+/// The module `<step>_unit`, such as `traverse_step_unit`: the step with `valid`/`ready` handshakes
+/// (see [`stream_unit`]), a ray's registers and the heights it asks for in together, all results
+/// out together.
 ///
-/// The step itself reads the height as late as the memory answers and gives the address at once.
-/// Between it and the handshakes stands `traverse_step_aligned`, which delays both by registers
-/// that stall with the pipeline.
+/// The step itself reads the heights as late as the memory answers and gives the address at once.
+/// Between it and the handshakes stands `<step>_aligned`, which delays both by registers that
+/// stall with the pipeline.
 pub fn build_step_unit(configuration: &UnitConfiguration) -> Arc<Module> {
     let unit = stream_unit(&aligned_step(configuration));
     Arc::new(Module {
-        name: "traverse_step_unit".to_owned(),
+        name: format!("{}_unit", configuration.step.name()),
         ..Module::clone(&unit)
     })
 }
 
 fn aligned_step(configuration: &UnitConfiguration) -> Arc<Module> {
-    let step = build_step(configuration).module;
-    let mut builder = Builder::new("traverse_step_aligned");
+    let built = build_step(configuration);
+    let step = built.module;
+    let heights: Vec<String> = configuration
+        .step
+        .height_ports()
+        .iter()
+        .map(|(name, _)| format!("{name}_i"))
+        .collect();
+    let address_port = configuration.step.address_port();
+    let asked_in = built.output_stages[&format!("{address_port}_o")];
+    let answered_in = asked_in + configuration.memory_latency();
+    let mut builder = Builder::new(format!("{}_aligned", step.name));
     builder.describe("A step whose height comes with its other inputs, and whose address leaves");
     builder.describe("with its other results: for checks of the step alone.");
     for line in &step.description {
@@ -53,10 +64,15 @@ fn aligned_step(configuration: &UnitConfiguration) -> Arc<Module> {
     builder.section("the height, when the memory would have answered");
     let inputs: Vec<Wire> = ports
         .iter()
-        .map(|&(name, wire)| match name {
-            "height_i" => delayed(&mut builder, "height", wire, configuration.memory_latency()),
-            _ => wire,
-        })
+        .map(
+            |&(name, wire)| match heights.iter().any(|height| height == name) {
+                true => {
+                    let base = name.strip_suffix("_i").unwrap_or(name);
+                    delayed(&mut builder, base, wire, answered_in)
+                }
+                false => wire,
+            },
+        )
         .collect();
 
     builder.section("the step");
@@ -65,8 +81,10 @@ fn aligned_step(configuration: &UnitConfiguration) -> Arc<Module> {
     builder.section("the address, with the other results");
     for (result, (name, driver)) in results.into_iter().zip(&step.outputs) {
         let result = builder.mean(result, step.node(*driver).meaning);
-        let result = match name.as_str() {
-            "node_address_o" => delayed(&mut builder, "node_address", result, step.latency),
+        let result = match name.strip_suffix("_o") {
+            Some(base) if base == address_port => {
+                delayed(&mut builder, base, result, step.latency - asked_in)
+            }
             _ => result,
         };
         builder.output(name, result);

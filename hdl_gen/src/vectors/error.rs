@@ -8,6 +8,8 @@ use rtl_model::maps::MapError;
 use rtl_model::walker::{AdmissionError, WalkerError};
 use thiserror::Error;
 
+use crate::units::NoHardware;
+
 /// Why vectors could not be made, written or read.
 #[derive(Debug, Error)]
 pub enum VectorError {
@@ -20,6 +22,9 @@ pub enum VectorError {
     /// The scene's method, format and crossing do not go together.
     #[error(transparent)]
     Walk(#[from] WalkerError),
+    /// There is no hardware of the scene's walk.
+    #[error(transparent)]
+    NoHardware(#[from] NoHardware),
     /// A ray that the format cannot hold.
     #[error("pixel ({x}, {y}): {problem}")]
     Admission {

@@ -25,6 +25,6 @@ pub use manifest::{Manifest, ManifestField, ManifestFile};
 pub use operators::operator_vectors;
 pub use rays::{RayVectors, ray_vectors, scene_rays};
 pub use set::VectorSet;
-pub use step::{idle_step_results, step_vectors};
+pub use step::{KEPT_EVERY, idle_step_results, step_vectors};
 pub(crate) use write::Files;
 pub use write::{VectorPlan, hardware_format, write_vectors};

@@ -7,7 +7,6 @@ use std::sync::Arc;
 use rtl_model::float::{FloatFormat, Rounding};
 use rtl_model::maps::Pyramid;
 use rtl_model::scene::{Scene, WalkFormat};
-use rtl_model::units::traverse::shape_for;
 use rtl_model::units::traverse_step::{INDEX_BITS, LEVEL_BITS};
 
 use super::error::VectorError;
@@ -15,7 +14,7 @@ use super::manifest::{Manifest, ManifestFile};
 use super::operators::operator_vectors;
 use super::rays::{RayVectors, ray_vectors, scene_rays};
 use super::set::VectorSet;
-use super::step::step_vectors;
+use super::step::{KEPT_EVERY, step_vectors};
 use crate::datapath::OperatorLatencies;
 use crate::digest::netlist_digest;
 use crate::netlist::Module;
@@ -117,12 +116,12 @@ pub fn write_vectors(plan: &VectorPlan, folder: &Path) -> Result<Manifest, Vecto
     let scene = &plan.scene;
     let format = hardware_format(scene)?;
     let pyramid = Pyramid::new(&scene.load_map()?);
-    let rays = scene_rays(scene, format, &pyramid)?;
+    let rays = scene_rays(scene, &pyramid)?;
     let configuration = UnitConfiguration {
-        shape: shape_for(&pyramid),
-        format,
         latencies: plan.latencies,
+        ..UnitConfiguration::of(scene.walk, &pyramid)?
     };
+    configuration.check_loop()?;
     let mut files = Files::default();
     for choice in plan.operators(format) {
         let latency = plan.latencies.of_operator(choice.operator);
@@ -132,10 +131,13 @@ pub fn write_vectors(plan: &VectorPlan, folder: &Path) -> Result<Manifest, Vecto
         files.add_operator(&choice.name(), choice, latency, &set, seed);
     }
     let step = build_step_unit(&configuration);
-    let set = step_vectors(&step, format, &pyramid, &rays);
+    let set = step_vectors(&step, &configuration, &pyramid, &rays, KEPT_EVERY);
     files.add_step("traverse_step", &step, &set, Some(scene));
-    let traverse = TraverseUnit::build(configuration).design;
-    files.add_rays(&traverse, &ray_vectors(format, &pyramid, &rays), scene);
+    let traverse = TraverseUnit::build(configuration);
+    let words = rays.iter().map(|&ray| configuration.port_words(ray));
+    let words: Vec<_> = words.collect();
+    let vectors = ray_vectors(&traverse, &pyramid, &words);
+    files.add_rays(&traverse.design, &vectors, scene);
     files.write(folder)
 }
 

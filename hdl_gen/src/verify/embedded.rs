@@ -2,48 +2,35 @@
 
 use super::divergence::{Comparison, Divergence};
 use super::golden::{GoldenRun, History};
+use super::traverse::driven_words;
 use crate::simulate::{Input, SimulateError, Simulator};
 use crate::units::TraverseUnit;
 use rtl_model::machine::CycleInputs;
 use rtl_model::ray::Ray;
-use rtl_model::units::traverse::Status;
 use std::ops::ControlFlow;
 
 /// After this many cycles with a difference a run ends: what follows is consequence.
 pub(super) const DIVERGENT_CYCLES: u64 = 64;
 
 struct Ports {
-    ray_valid: Input,
-    ray_id: Input,
-    ray: Ray<Input>,
-    hit_ready: Input,
+    driven: Vec<Input>,
     height: Input,
 }
 
 impl Ports {
-    fn new(simulator: &Simulator) -> Result<Ports, SimulateError> {
+    fn new(unit: &TraverseUnit, simulator: &Simulator) -> Result<Ports, SimulateError> {
+        let driven = unit.driven_ports();
+        let driven = driven.iter().map(|port| simulator.input(port));
         Ok(Ports {
-            ray_valid: simulator.input("ray_valid_i")?,
-            ray_id: simulator.input("ray_id_i")?,
-            ray: Ray {
-                u: simulator.input("ray_u_i")?,
-                v: simulator.input("ray_v_i")?,
-                du: simulator.input("ray_du_i")?,
-                dv: simulator.input("ray_dv_i")?,
-            },
-            hit_ready: simulator.input("hit_ready_i")?,
-            height: simulator.input("height_i")?,
+            driven: driven.collect::<Result<_, _>>()?,
+            height: simulator.input(&unit.height_port())?,
         })
     }
 
-    fn drive(&self, simulator: &mut Simulator, inputs: &CycleInputs<u64>) {
-        simulator.set_input(self.ray_valid, inputs.ray_valid.into());
-        simulator.set_input(self.ray_id, inputs.ray_id.into());
-        simulator.set_input(self.ray.u, inputs.ray.u);
-        simulator.set_input(self.ray.v, inputs.ray.v);
-        simulator.set_input(self.ray.du, inputs.ray.du);
-        simulator.set_input(self.ray.dv, inputs.ray.dv);
-        simulator.set_input(self.hit_ready, inputs.hit_ready.into());
+    fn drive(&self, simulator: &mut Simulator, inputs: &CycleInputs) {
+        for (&port, word) in self.driven.iter().zip(driven_words(inputs)) {
+            simulator.set_input(port, word);
+        }
     }
 }
 
@@ -56,10 +43,10 @@ impl Ports {
 pub fn run_embedded(
     unit: &TraverseUnit,
     run: &GoldenRun<'_>,
-    mut observe: impl FnMut(u64, &CycleInputs<u64>, &[u64]),
+    mut observe: impl FnMut(u64, &CycleInputs, &[u64]),
 ) -> Result<Comparison, SimulateError> {
     let mut simulator = Simulator::new(&unit.design)?;
-    let ports = Ports::new(&simulator)?;
+    let ports = Ports::new(unit, &simulator)?;
     let address = simulator.signal("height_address_o")?;
     let signals = unit
         .probes
@@ -92,7 +79,7 @@ pub fn run_embedded(
     }
     simulator.set("rst_ni", 1)?;
 
-    let mut history = History::new(unit.latency);
+    let mut history = History::new(unit.latency.step);
     let mut comparison = Comparison {
         signals_compared: unit.probes.len() as u64,
         ..Comparison::default()
@@ -127,7 +114,7 @@ pub fn run_embedded(
         comparison.cycles_compared += 1;
         if outputs.hit_valid && inputs.hit_ready {
             comparison.rays += 1;
-            comparison.guards += u64::from(outputs.hit.status == Status::Guard);
+            comparison.guards += u64::from(outputs.hit_guard);
         }
         clock(&mut simulator);
         divergent_cycles += u64::from(differs > 0);

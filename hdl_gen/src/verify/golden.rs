@@ -1,10 +1,11 @@
 //! The golden side: the machine run on a list of rays, cycle by cycle.
 
 use crate::units::{CycleWords, Probe};
-use rtl_model::machine::{CycleInputs, CycleOutputs, StallPattern, TraverseMachine};
+use rtl_model::machine::{CycleInputs, CycleOutputs, StallPattern, TraverseMachine, UnitLatency};
 use rtl_model::maps::Pyramid;
 use rtl_model::ray::Ray;
 use rtl_model::readings::{FloatReading, HasFormat};
+use rtl_model::units::any_step::AnyStep;
 use std::ops::ControlFlow;
 
 /// Rays to be sent through the traverse unit, and how.
@@ -16,14 +17,16 @@ pub struct GoldenRun<'a> {
     pub rays: &'a [Ray<u64>],
     /// When the receiver of hits is not ready.
     pub stalls: StallPattern,
-    /// Cycles of the unit's step.
-    pub latency: u32,
+    /// What a step does.
+    pub step: AnyStep,
+    /// Cycles of the unit's pipelines.
+    pub latency: UnitLatency,
 }
 
 impl GoldenRun<'_> {
     /// Cycles in reset before cycle 0: enough for every stage to fill with the idle ray.
     pub fn reset_cycles(&self) -> u32 {
-        self.latency + 2
+        self.latency.setup + self.latency.step + 2
     }
 
     /// Runs the machine until every ray has left it, and calls `each` with every cycle: the
@@ -32,15 +35,16 @@ impl GoldenRun<'_> {
     pub fn run<H: HasFormat + std::fmt::Debug>(
         &self,
         format: H,
-        mut each: impl FnMut(&CycleInputs<u64>, &CycleOutputs<u64>, &CycleWords) -> ControlFlow<()>,
+        mut each: impl FnMut(&CycleInputs, &CycleOutputs, &CycleWords) -> ControlFlow<()>,
     ) -> u64 {
-        let mut machine = TraverseMachine::new(FloatReading(format), self.pyramid, self.latency);
+        let reading = FloatReading(format);
+        let mut machine = TraverseMachine::new(reading, self.step, self.pyramid, self.latency);
         let mut stalls = self.stalls;
         let mut words = CycleWords::default();
         let mut offered = 0;
         let mut left = 0;
         // A few cycles more than the rays need: nothing may leave the unit that never entered.
-        let mut cycles_to_come = u64::from(self.latency) + 1;
+        let mut cycles_to_come = u64::from(self.latency.setup + self.latency.step) + 1;
         while left < self.rays.len() || cycles_to_come > 0 {
             if left == self.rays.len() {
                 cycles_to_come -= 1;

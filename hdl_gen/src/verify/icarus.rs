@@ -14,7 +14,6 @@ use crate::testbench::{TraverseBench, Verdict, stream_testbench, traverse_testbe
 use crate::units::TraverseUnit;
 use crate::vectors::{RayVectors, VectorSet, ray_vectors};
 use crate::wave::{ConformOptions, CycleNumbers, LogicWord, Samples, WaveError, WriterOptions};
-use rtl_model::units::traverse::Status;
 use std::fs::{self, File};
 use std::io::{self, BufReader};
 use std::ops::{ControlFlow, RangeInclusive};
@@ -195,7 +194,7 @@ impl Icarus {
     /// Runs the traverse unit by its testbench and records its waveform.
     fn record(&self, unit: &TraverseUnit, run: &GoldenRun<'_>) -> Result<Recorded, IcarusError> {
         let format = unit.configuration.format;
-        let vectors = ray_vectors(format, run.pyramid, run.rays);
+        let vectors = ray_vectors(unit, run.pyramid, run.rays);
         let golden_cycles = run.run(format, |_, _, _| ControlFlow::Continue(()));
         let bench = TraverseBench {
             rays: run.rays.len(),
@@ -306,7 +305,7 @@ fn compare(
     // The probes are declared last, after the inputs.
     let declarations = &declarations[declarations.len() - unit.probes.len()..];
     let mut samples = Samples::open(waveform, declarations, &conform_options())?;
-    let mut history = History::new(unit.latency);
+    let mut history = History::new(unit.latency.step);
     let mut comparison = Comparison {
         signals_compared: unit.probes.len() as u64,
         ..Comparison::default()
@@ -346,7 +345,7 @@ fn compare(
         comparison.cycles_compared += 1;
         if outputs.hit_valid && inputs.hit_ready {
             comparison.rays += 1;
-            comparison.guards += u64::from(outputs.hit.status == Status::Guard);
+            comparison.guards += u64::from(outputs.hit_guard);
         }
         divergent_cycles += u64::from(differs > 0);
         if divergent_cycles >= DIVERGENT_CYCLES {

@@ -7,27 +7,12 @@ use super::verilator::{TraceWindow, Verilator, VerilatorError, run_harness};
 use crate::units::TraverseUnit;
 use rtl_model::machine::CycleInputs;
 use rtl_model::readings::HasFormat;
-use rtl_model::units::traverse::Status;
 use std::fmt::Debug;
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 
-/// The ports driven in every cycle, in the order of [`driven_words`].
-pub(super) const DRIVEN: [&str; 7] = [
-    "ray_valid_i",
-    "ray_id_i",
-    "ray_u_i",
-    "ray_v_i",
-    "ray_du_i",
-    "ray_dv_i",
-    "hit_ready_i",
-];
-
-/// The port the synchronous memory answers on.
-pub(super) const HEIGHT: &str = "height_i";
-
-/// The words for the ports driven, in order.
-pub fn driven_words(inputs: &CycleInputs<u64>) -> [u64; 7] {
+/// The words for the ports driven, in the order of [`TraverseUnit::driven_ports`].
+pub fn driven_words(inputs: &CycleInputs) -> [u64; 7] {
     [
         inputs.ray_valid.into(),
         inputs.ray_id.into(),
@@ -41,15 +26,17 @@ pub fn driven_words(inputs: &CycleInputs<u64>) -> [u64; 7] {
 
 /// What the harness of a traverse unit drives and compares.
 pub fn traverse_plan(unit: &TraverseUnit, run: &GoldenRun<'_>) -> HarnessPlan {
+    let driven = unit.driven_ports();
+    let driven: Vec<&str> = driven.iter().map(String::as_str).collect();
     HarnessPlan::new(
         &unit.design,
-        &DRIVEN,
+        &driven,
         unit.probes.clone(),
         run.reset_cycles(),
         Some(MemoryPorts {
             words: run.pyramid.memory().len(),
             address: "height_address_o".to_owned(),
-            data: HEIGHT.to_owned(),
+            data: unit.height_port(),
         }),
         ("hit_valid_o", "hit_ready_i"),
     )
@@ -85,7 +72,7 @@ pub fn run_verilator<H: HasFormat + Debug>(
             }
             if outputs.hit_valid && inputs.hit_ready {
                 rays += 1;
-                guards += u64::from(outputs.hit.status == Status::Guard);
+                guards += u64::from(outputs.hit_guard);
                 if rays.is_multiple_of(1024) {
                     progress(rays);
                 }

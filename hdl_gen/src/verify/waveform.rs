@@ -1,7 +1,7 @@
 //! The waveforms of a run, golden and simulated, with the same hierarchy and the same names.
 
 use super::golden::{GoldenRun, History};
-use super::traverse::{DRIVEN, HEIGHT, driven_words};
+use super::traverse::driven_words;
 use crate::netlist::Meaning;
 use crate::units::{CycleWords, TraverseUnit};
 use crate::wave::{
@@ -16,18 +16,19 @@ use std::ops::{ControlFlow, RangeInclusive};
 const PERIOD_NS: u64 = 10;
 
 /// The unit's input ports but clock and reset: those that are driven, and the memory's answer.
-fn input_ports() -> impl Iterator<Item = &'static str> {
-    DRIVEN.into_iter().chain([HEIGHT])
+fn input_ports(unit: &TraverseUnit) -> impl Iterator<Item = String> {
+    let driven = unit.driven_ports().into_iter();
+    driven.chain([unit.height_port()])
 }
 
 /// The signals of a traverse unit's waveform: its input ports, then its probes.
 pub fn waveform_signals(unit: &TraverseUnit) -> Vec<SignalDeclaration> {
-    let ports = input_ports().map(|name| {
-        let wire = unit.design.input(name).expect("a driven port is an input");
+    let ports = input_ports(unit).map(|name| {
+        let wire = unit.design.input(&name).expect("a driven port is an input");
         let node = unit.design.node(wire);
         SignalDeclaration {
             path: vec![unit.design.name.clone()],
-            name: name.to_owned(),
+            name,
             width: node.width,
             meaning: node.meaning,
         }
@@ -46,7 +47,7 @@ pub fn waveform_signals(unit: &TraverseUnit) -> Vec<SignalDeclaration> {
 pub fn waveform_options(unit: &TraverseUnit, first_cycle: u64) -> WriterOptions {
     let known = |path: &str| {
         unit.probes.iter().any(|probe| probe.path() == path)
-            || input_ports().any(|port| path == format!("traverse.{port}"))
+            || input_ports(unit).any(|port| path == format!("traverse.{port}"))
     };
     let dependency = |probe: &crate::units::Probe| {
         // A value that also depends on what the waveform does not show has no known cause.
@@ -63,7 +64,7 @@ pub fn waveform_options(unit: &TraverseUnit, first_cycle: u64) -> WriterOptions 
                 .collect(),
         })
     };
-    let ports = input_ports()
+    let ports = input_ports(unit)
         .map(|port| format!("traverse.{port}"))
         .collect();
     WriterOptions {
@@ -79,11 +80,7 @@ pub fn waveform_options(unit: &TraverseUnit, first_cycle: u64) -> WriterOptions 
 }
 
 /// What a waveform shows of a cycle: the input ports, then the probes.
-fn shown(
-    inputs: &CycleInputs<u64>,
-    height: u16,
-    probes: impl Iterator<Item = u64>,
-) -> Vec<LogicWord> {
+fn shown(inputs: &CycleInputs, height: u16, probes: impl Iterator<Item = u64>) -> Vec<LogicWord> {
     let ports = driven_words(inputs).into_iter().chain([height.into()]);
     ports.chain(probes).map(LogicWord::from).collect()
 }
@@ -130,7 +127,7 @@ pub fn golden_waveform<W: Write>(
 ) -> Result<(W, u64), WaveError> {
     let options = waveform_options(unit, *window.start());
     let mut writer = Writer::new(output, &waveform_signals(unit), &options)?;
-    let mut history = History::new(unit.latency);
+    let mut history = History::new(unit.latency.step);
     let mut heights = Heights::new(unit, run.pyramid.memory());
     let (mut cycle, mut written) = (0, 0);
     let mut outcome = Ok(());
@@ -196,7 +193,7 @@ impl<'a, W: Write> SimulatedWaveform<'a, W> {
     }
 
     /// Takes a cycle, in the form in which [`super::run_embedded`] shows it.
-    pub fn observe(&mut self, cycle: u64, inputs: &CycleInputs<u64>, probes: &[u64]) {
+    pub fn observe(&mut self, cycle: u64, inputs: &CycleInputs, probes: &[u64]) {
         let height = self.heights.next(probes);
         if self.outcome.is_ok() && self.window.contains(&cycle) {
             let values = shown(inputs, height, probes.iter().copied());

@@ -9,7 +9,7 @@ mod stall;
 mod stream;
 
 pub use recirculation::{
-    CycleInputs, CycleOutputs, ID_BITS, STEP_INPUTS, StageEntry, TraverseMachine,
+    CycleInputs, CycleOutputs, ID_BITS, SetupEntry, StageEntry, TraverseMachine, UnitLatency,
 };
 pub use stall::StallPattern;
 pub use stream::{StreamMachine, StreamOutputs};

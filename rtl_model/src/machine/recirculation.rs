@@ -2,72 +2,49 @@
 //!
 //! One pipeline of `latency` cycles computes a step. A ray that leaves it unfinished enters again
 //! at once; where it has finished, it is offered as a hit, and goes round once more unchanged if
-//! nobody takes it, so that nothing ever stalls. A new ray enters where the loop leaves a gap.
+//! nobody takes it, so that nothing ever stalls in the loop. A new ray enters where the loop leaves
+//! a gap.
+//!
+//! A ray is set up on its way in: by wires where no operation of the setup needs cycles, else by a
+//! pipeline of its own, which stalls as a whole while a ray at its end waits for a gap.
+
+use std::borrow::Cow;
+use std::collections::VecDeque;
 
 use crate::maps::Pyramid;
 use crate::ray::Ray;
 use crate::readings::{Traced, Word};
-use crate::units::search_policy::SearchPolicy;
-use crate::units::step::RegisterKind;
-use crate::units::traverse::{Hit, Status, shape_for};
-use crate::units::traverse_setup::{RayRegisters, traverse_setup};
-use crate::units::traverse_step::{
-    COUNTER_BITS, INDEX_BITS, LEVEL_BITS, TraverseShape, WalkRegisters, node_address,
-    traverse_step, walk_start,
-};
+use crate::units::step::{Register, Signal, Step};
 
 /// Bits of the id that travels with a ray: the pixels of a frame of up to 1024 x 1024.
 pub const ID_BITS: u32 = 20;
 
-/// The registers in front of the pipeline's first stage, in the order of [`StageEntry::inputs`]:
-/// first what a ray keeps, then what its walk changes. The netlist is built from this list.
-pub const STEP_INPUTS: [(&str, RegisterKind); 19] = [
-    ("u", RegisterKind::Number),
-    ("v", RegisterKind::Number),
-    ("du", RegisterKind::Number),
-    ("dv", RegisterKind::Number),
-    ("exact_below_u", RegisterKind::Number),
-    ("exact_below_v", RegisterKind::Number),
-    ("mirror_u", RegisterKind::Bit),
-    ("mirror_v", RegisterKind::Bit),
-    ("level", RegisterKind::Integer(LEVEL_BITS)),
-    ("i", RegisterKind::Integer(INDEX_BITS)),
-    ("j", RegisterKind::Integer(INDEX_BITS)),
-    ("t", RegisterKind::Number),
-    ("at_border_v", RegisterKind::Bit),
-    ("corner_owed", RegisterKind::Bit),
-    ("corner_paid", RegisterKind::Bit),
-    ("steps", RegisterKind::Integer(COUNTER_BITS)),
-    ("crossings", RegisterKind::Integer(COUNTER_BITS)),
-    ("hit", RegisterKind::Bit),
-    ("guard", RegisterKind::Bit),
-];
-
-/// What the unit's input ports carry in a cycle. The ray is zero where `ray_valid` is false.
+/// What the unit's input ports carry in a cycle.
 #[derive(Clone, Copy, Debug)]
-pub struct CycleInputs<N> {
+pub struct CycleInputs {
     /// A ray is offered.
     pub ray_valid: bool,
     /// Its id.
     pub ray_id: u32,
-    /// The ray.
-    pub ray: Ray<N>,
+    /// The ray: the words of [`Step::ray_ports`], which are four; zero bits where `ray_valid` is
+    /// false.
+    pub ray: Ray<u64>,
     /// A hit would be taken.
     pub hit_ready: bool,
 }
 
-/// What the unit's output ports carry in a cycle. The hit is the pipeline's last stage, whatever
+/// What the unit's handshakes carry in a cycle. The hit is the pipeline's last stage, whatever
 /// stands there; it counts where `hit_valid` is true.
-#[derive(Clone, Copy, Debug)]
-pub struct CycleOutputs<N> {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CycleOutputs {
     /// A ray offered in this cycle enters.
     pub ray_ready: bool,
     /// A hit is offered.
     pub hit_valid: bool,
     /// Its ray's id.
     pub hit_id: u32,
-    /// The hit.
-    pub hit: Hit<N>,
+    /// The walk ended at the step bound.
+    pub hit_guard: bool,
 }
 
 /// What stands in the registers of the first stage in a cycle, and all that will be computed from
@@ -78,64 +55,102 @@ pub struct StageEntry<R: Word> {
     pub valid: bool,
     /// The ray's id.
     pub id: u32,
-    /// The registers, as [`STEP_INPUTS`] lists them.
-    pub inputs: [u64; STEP_INPUTS.len()],
+    /// The words of the registers: [`Step::ray_registers`], then [`Step::walk_registers`].
+    pub inputs: Vec<u64>,
     /// The result of every operation of the step, in order.
     pub words: Vec<u64>,
-    ray: RayRegisters<Traced<R>>,
-    outcome: Outcome<R>,
+    registers: Vec<Signal<Traced<R>>>,
+    next_walk: Vec<Signal<Traced<R>>>,
 }
 
+/// What stands in a stage of the setup's pipeline, and all that is computed from it.
 #[derive(Debug)]
-struct Outcome<R: Word> {
-    walk: WalkRegisters<Traced<R>>,
-    hit: Hit<R::Num>,
+pub struct SetupEntry<R: Word> {
+    /// Is it a ray?
+    pub valid: bool,
+    /// The ray's id.
+    pub id: u32,
+    /// The words of [`Step::ray_ports`].
+    pub inputs: [u64; 4],
+    /// The result of every operation of the setup, in order.
+    pub words: Vec<u64>,
+    registers: Vec<Signal<Traced<R>>>,
+}
+
+/// Cycles of a traverse unit's pipelines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnitLatency {
+    /// Of the setup; 0 where it is combinational.
+    pub setup: u32,
+    /// Of a step; a ray enters again one cycle later.
+    pub step: u32,
 }
 
 /// The traverse unit of a map, in a number format.
 #[derive(Debug)]
-pub struct TraverseMachine<'a, R: Word> {
+pub struct TraverseMachine<'a, R: Word, S: Step> {
     traced: Traced<R>,
-    shape: TraverseShape,
-    memory: &'a [u16],
-    /// Stages 0 to `latency`, as a ring; `first` is stage 0.
+    step: S,
+    ray_ports: Vec<Register>,
+    /// Registers that a ray carries unchanged.
+    unchanged: usize,
+    hit: usize,
+    guard: usize,
+    memory: Cow<'a, [u16]>,
+    /// Stages 0 to `latency.step`, as a ring; `first` is stage 0.
     stages: Vec<StageEntry<R>>,
     first: usize,
+    /// Stages 1 to `latency.setup`, the first in front.
+    setup: VecDeque<SetupEntry<R>>,
     cycle: u64,
 }
 
-impl<'a, R: Word> TraverseMachine<'a, R> {
+impl<'a, R: Word, S: Step> TraverseMachine<'a, R, S> {
     /// The machine after its reset, in which every stage has filled with the idle ray.
-    pub fn new(reading: R, pyramid: &'a Pyramid, latency: u32) -> Self {
-        let shape = shape_for(pyramid);
-        let mut traced = Traced {
-            reading,
-            words: Vec::new(),
+    ///
+    /// # Panics
+    /// If the step has no registers `hit` and `guard`, reads several heights at once, or has not
+    /// four ray ports: no loop is built for such.
+    pub fn new(reading: R, step: S, pyramid: &'a Pyramid, latency: UnitLatency) -> Self {
+        assert_eq!(step.height_ports().len(), 1, "a height a step");
+        assert_eq!(step.ray_ports().len(), 4, "a ray's ports");
+        let walk_registers = step.walk_registers();
+        let place = |wanted: &str| {
+            let mut names = walk_registers.iter().map(|&(name, _)| name);
+            names.position(|name| name == wanted).expect(wanted)
         };
-        let zero = traced.reading.zero();
-        let idle = Ray {
-            u: zero,
-            v: zero,
-            du: zero,
-            dv: zero,
-        };
-        let memory = pyramid.memory();
-        let (ray, walk) = set_up(&mut traced, shape, idle);
-        let gap = Occupant {
-            valid: false,
-            id: 0,
-        };
-        let stages = (0..=latency)
-            .map(|_| enter(&mut traced, shape, memory, gap, ray, walk))
-            .collect();
-        TraverseMachine {
-            traced,
-            shape,
-            memory,
-            stages,
+        let mut machine = TraverseMachine {
+            traced: Traced {
+                reading,
+                words: Vec::new(),
+            },
+            ray_ports: step.ray_ports(),
+            unchanged: step.ray_registers().len(),
+            hit: place("hit"),
+            guard: place("guard"),
+            memory: step.memory(pyramid),
+            stages: Vec::new(),
             first: 0,
+            setup: VecDeque::new(),
             cycle: 0,
+            step,
+        };
+        let idle = Ray {
+            u: 0,
+            v: 0,
+            du: 0,
+            dv: 0,
+        };
+        for _ in 0..latency.setup {
+            let entry = machine.set_up(false, 0, idle);
+            machine.setup.push_back(entry);
         }
+        for _ in 0..=latency.step {
+            let registers = machine.set_up(false, 0, idle).registers;
+            let entry = machine.enter(false, 0, registers);
+            machine.stages.push(entry);
+        }
+        machine
     }
 
     /// Cycles since reset.
@@ -148,148 +163,98 @@ impl<'a, R: Word> TraverseMachine<'a, R> {
         &self.stages[self.first]
     }
 
-    /// What the output ports carry in this cycle.
-    pub fn outputs(&self, inputs: &CycleInputs<R::Num>) -> CycleOutputs<R::Num> {
-        let last = self.last();
-        let walk = &last.outcome.walk;
-        let hit_valid = last.valid && (walk.hit || walk.guard);
+    /// What stands in the stages of the setup's pipeline, from stage 1 on.
+    pub fn setup_entries(&self) -> impl Iterator<Item = &SetupEntry<R>> {
+        self.setup.iter()
+    }
+
+    /// What the handshakes carry in this cycle.
+    pub fn outputs(&self, inputs: &CycleInputs) -> CycleOutputs {
+        let last = &self.stages[self.last()];
+        let bit = |place: usize| last.next_walk[place].bit();
+        let hit_valid = last.valid && (bit(self.hit) || bit(self.guard));
         let leaves = hit_valid && inputs.hit_ready;
+        let has_gap = !last.valid || leaves;
         CycleOutputs {
-            ray_ready: !last.valid || leaves,
+            ray_ready: has_gap || self.setup.back().is_some_and(|entry| !entry.valid),
             hit_valid,
             hit_id: last.id,
-            hit: last.outcome.hit,
+            hit_guard: bit(self.guard),
         }
     }
 
     /// The rising edge at the end of this cycle.
-    pub fn clock(&mut self, inputs: &CycleInputs<R::Num>) {
+    pub fn clock(&mut self, inputs: &CycleInputs) {
         let outputs = self.outputs(inputs);
-        let slot = (self.first + self.stages.len() - 1) % self.stages.len();
+        let slot = self.last();
         let last = &mut self.stages[slot];
+        let has_gap = !last.valid || outputs.hit_valid && inputs.hit_ready;
+        // The words of the slot that falls free hold the next ones.
         let words = std::mem::take(&mut last.words);
-        let (occupant, ray, walk) = if outputs.ray_ready {
-            let (ray, walk) = set_up(&mut self.traced, self.shape, inputs.ray);
-            (
-                Occupant {
-                    valid: inputs.ray_valid,
-                    id: inputs.ray_id,
-                },
-                ray,
-                walk,
-            )
-        } else {
-            (
-                Occupant {
-                    valid: true,
-                    id: last.id,
-                },
-                last.ray,
-                last.outcome.walk,
-            )
+        let (valid, id) = (last.valid, last.id);
+        let mut round_again = std::mem::take(&mut last.registers);
+        round_again.truncate(self.unchanged);
+        round_again.append(&mut last.next_walk);
+
+        let arrives = outputs.ray_ready.then(|| {
+            let id = inputs.ray_id;
+            self.set_up(inputs.ray_valid, id, inputs.ray)
+        });
+        // What reaches the end of the setup, if that advances.
+        let ready = match (arrives, self.setup.is_empty()) {
+            (arrives, true) => arrives,
+            (None, false) => None,
+            (Some(arrives), false) => {
+                self.setup.push_front(arrives);
+                self.setup.pop_back()
+            }
         };
-        // The words of the slot that falls free hold the next ones: nothing is allocated.
         self.traced.words = words;
-        self.stages[slot] = enter(
-            &mut self.traced,
-            self.shape,
-            self.memory,
-            occupant,
-            ray,
-            walk,
-        );
+        self.stages[slot] = match ready {
+            Some(new) if has_gap => self.enter(new.valid, new.id, new.registers),
+            // Without a gap the setup advances over an empty last stage of its own.
+            _ => self.enter(valid, id, round_again),
+        };
         self.first = slot;
         self.cycle += 1;
     }
 
-    fn last(&self) -> &StageEntry<R> {
-        &self.stages[(self.first + self.stages.len() - 1) % self.stages.len()]
+    fn last(&self) -> usize {
+        (self.first + self.stages.len() - 1) % self.stages.len()
     }
-}
 
-#[derive(Clone, Copy)]
-struct Occupant {
-    valid: bool,
-    id: u32,
-}
+    fn set_up(&mut self, valid: bool, id: u32, ray: Ray<u64>) -> SetupEntry<R> {
+        let inputs = [ray.u, ray.v, ray.du, ray.dv];
+        let ports = self.ray_ports.iter().zip(inputs);
+        let signals: Vec<Signal<Traced<R>>> = ports
+            .map(|(&(_, kind), word)| Signal::of_word(&self.traced, kind, word))
+            .collect();
+        self.traced.words.clear();
+        let registers = self.step.set_up(&mut self.traced, &signals);
+        SetupEntry {
+            valid,
+            id,
+            inputs,
+            words: std::mem::take(&mut self.traced.words),
+            registers,
+        }
+    }
 
-fn set_up<R: Word>(
-    traced: &mut Traced<R>,
-    shape: TraverseShape,
-    ray: Ray<R::Num>,
-) -> (RayRegisters<Traced<R>>, WalkRegisters<Traced<R>>) {
-    let setup = traverse_setup(
-        traced,
-        shape,
-        SearchPolicy::OH,
-        ray.u,
-        ray.v,
-        ray.du,
-        ray.dv,
-    );
-    (setup.ray, walk_start(traced, SearchPolicy::OH, &setup))
-}
-
-/// Evaluates the step of what enters the pipeline.
-fn enter<R: Word>(
-    traced: &mut Traced<R>,
-    shape: TraverseShape,
-    memory: &[u16],
-    occupant: Occupant,
-    ray: RayRegisters<Traced<R>>,
-    walk: WalkRegisters<Traced<R>>,
-) -> StageEntry<R> {
-    let inputs = {
-        let word = |value| traced.reading.word(value);
-        [
-            word(ray.u),
-            word(ray.v),
-            word(ray.du),
-            word(ray.dv),
-            word(ray.exact_below_u),
-            word(ray.exact_below_v),
-            ray.mirror_u.into(),
-            ray.mirror_v.into(),
-            walk.level as u64,
-            walk.i as u64,
-            walk.j as u64,
-            word(walk.t),
-            walk.at_border_v.into(),
-            walk.corner_owed.into(),
-            walk.corner_paid.into(),
-            walk.steps as u64,
-            walk.crossings as u64,
-            walk.hit.into(),
-            walk.guard.into(),
-        ]
-    };
-    traced.words.clear();
-    let address = node_address(traced, shape, SearchPolicy::OH, &ray, &walk);
-    let height = i64::from(memory[address as usize]);
-    let result = traverse_step(traced, shape, SearchPolicy::OH, &ray, &walk, height);
-    let walk = result.walk;
-    StageEntry {
-        valid: occupant.valid,
-        id: occupant.id,
-        inputs,
-        words: std::mem::take(&mut traced.words),
-        ray,
-        outcome: Outcome {
-            walk,
-            hit: Hit {
-                i: result.texel_i as u32,
-                j: result.texel_j as u32,
-                t: walk.t,
-                u: result.position_u,
-                v: result.position_v,
-                steps: walk.steps as u32,
-                crossings: walk.crossings as u32,
-                status: if walk.guard {
-                    Status::Guard
-                } else {
-                    Status::Hit
-                },
-            },
-        },
+    /// Evaluates the step of what enters the pipeline.
+    fn enter(&mut self, valid: bool, id: u32, registers: Vec<Signal<Traced<R>>>) -> StageEntry<R> {
+        let inputs = registers.iter().map(|signal| signal.word(&self.traced));
+        let inputs = inputs.collect();
+        self.traced.words.clear();
+        let address = self.step.address(&mut self.traced, &registers);
+        let height = i64::from(self.memory[address as usize]);
+        let (next_walk, _) = self.step.step(&mut self.traced, &registers, &[height]);
+        StageEntry {
+            valid,
+            id,
+            inputs,
+            words: std::mem::take(&mut self.traced.words),
+            registers,
+            next_walk,
+        }
     }
 }

@@ -7,12 +7,18 @@ use crate::float::Rounding;
 pub trait Word: Concrete {
     /// The bits of a number.
     fn word(&self, value: Self::Num) -> u64;
+    /// The number of these bits.
+    fn number(&self, word: u64) -> Self::Num;
 }
 
 impl<H: super::HasFormat> Word for super::FloatReading<H> {
     #[inline(always)]
     fn word(&self, value: u64) -> u64 {
         value
+    }
+    #[inline(always)]
+    fn number(&self, word: u64) -> u64 {
+        word
     }
 }
 
@@ -27,6 +33,17 @@ pub struct Traced<R> {
     pub reading: R,
     /// The results so far, in the order of the operations.
     pub words: Vec<u64>,
+}
+
+impl<R: Word> Word for Traced<R> {
+    #[inline(always)]
+    fn word(&self, value: R::Num) -> u64 {
+        self.reading.word(value)
+    }
+    #[inline(always)]
+    fn number(&self, word: u64) -> R::Num {
+        self.reading.number(word)
+    }
 }
 
 impl<R: Word> Traced<R> {

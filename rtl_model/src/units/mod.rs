@@ -1,5 +1,6 @@
 //! The hardware's units, each datapath written once over [`crate::arith::Arith`].
 
+pub mod any_step;
 mod fixed_answer;
 mod fixed_ascent;
 mod fixed_child;

@@ -10,7 +10,7 @@ use std::borrow::Cow;
 use crate::arith::Arith;
 use crate::maps::Pyramid;
 use crate::ray::Ray;
-use crate::readings::{NumberFormat, enter};
+use crate::readings::{NumberFormat, Word, enter};
 
 /// What kind of word a register is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,6 +80,29 @@ impl<A: Arith> Signal<A> {
     }
 }
 
+impl<R: Word> Signal<R> {
+    /// The signal's bits; those of an integer in 64.
+    pub fn word(self, reading: &R) -> u64 {
+        match self {
+            Signal::Number(number) => reading.word(number),
+            Signal::Integer(integer) => integer as u64,
+            Signal::Bit(bit) => bit.into(),
+        }
+    }
+
+    /// The signal of these bits; of an integer, those of its width.
+    pub fn of_word(reading: &R, kind: RegisterKind, word: u64) -> Self {
+        match kind {
+            RegisterKind::Number => Signal::Number(reading.number(word)),
+            RegisterKind::Integer(bits) => {
+                let above = 64 - bits;
+                Signal::Integer((word << above) as i64 >> above)
+            }
+            RegisterKind::Bit => Signal::Bit(word != 0),
+        }
+    }
+}
+
 /// A named result of a datapath.
 pub type Named<A> = (&'static str, Signal<A>);
 
@@ -97,6 +120,10 @@ pub trait Step {
     fn walk_registers(&self) -> Vec<Register>;
     /// The ports by which the memory answers: a height each, of so many bits, in order.
     fn height_ports(&self) -> Vec<(&'static str, u32)>;
+    /// The port by which the memory is asked.
+    fn address_port(&self) -> &'static str {
+        "node_address"
+    }
     /// Bits of an address.
     fn address_bits(&self) -> u32;
     /// The step at which a walk without a hit ends with `guard`.

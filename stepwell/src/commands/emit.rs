@@ -7,17 +7,17 @@ use serde::Serialize;
 
 use hdl_gen::digest::{core_digest, netlist_digest};
 use hdl_gen::package::{Package, package_operator, package_scene, package_step};
-use hdl_gen::verify::random_rays;
+use hdl_gen::units::UnitConfiguration;
 use rtl_model::maps::Pyramid;
 
 use super::Outcome;
 use super::verify::unit_map::unit_map;
+use super::verify::unit_walk::{unit_rays, unit_walk};
 use crate::operator_options::OperatorOptions;
 use crate::options::{AnswerOptions, Replacements};
 use crate::output::OutputFolder;
 use crate::summary::{json, netlist_row, table};
 use crate::terminal;
-use crate::units::float_format;
 
 /// Verilog, vectors and a self-checking testbench of a scene or of one unit
 ///
@@ -160,10 +160,10 @@ fn operator(
 }
 
 fn step(arguments: &Arguments, folder: &std::path::Path) -> anyhow::Result<Package> {
-    let format = float_format(arguments.replacements.format)?;
-    hdl_gen::operators::FloatOperator::Add.check(format)?;
     let map = unit_map(&arguments.replacements)?;
     let pyramid = Pyramid::new(&map.source.load(map.channel, map.white_is_low)?);
-    let rays = random_rays(format, arguments.vectors, arguments.seed);
-    Ok(package_step(format, &pyramid, &rays, folder)?)
+    let walk = unit_walk(&arguments.replacements)?;
+    let configuration = UnitConfiguration::of(walk, &pyramid)?;
+    let rays = unit_rays(walk, &pyramid, arguments.vectors, arguments.seed)?;
+    Ok(package_step(&configuration, &pyramid, &rays, folder)?)
 }

@@ -5,6 +5,7 @@ mod operator;
 mod scene;
 mod summary;
 pub mod unit_map;
+pub mod unit_walk;
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;

@@ -3,37 +3,38 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::emit::write_design;
 use hdl_gen::fault::plant;
 use hdl_gen::netlist::Module;
-use hdl_gen::operators::{FloatOperator, stream_unit};
+use hdl_gen::operators::stream_unit;
 use hdl_gen::units::{UnitConfiguration, build_step_unit};
 use hdl_gen::vectors::{Role, idle_step_results, step_vectors};
-use hdl_gen::verify::{FoundSimulator, OperandSets, StreamRun, VectorSource, random_rays};
+use hdl_gen::verify::{FoundSimulator, OperandSets, StreamRun, VectorSource};
 use rtl_model::machine::StallPattern;
 use rtl_model::maps::Pyramid;
-use rtl_model::units::traverse::shape_for;
 
 use super::summary::{Finished, SignalFacts, Summary};
 use super::unit_map::unit_map;
+use super::unit_walk::{unit_rays, unit_walk};
 use super::{Arguments, Outcome};
 use crate::operator_options::ChosenOperator;
 use crate::output::OutputFolder;
 use crate::progress;
-use crate::units::float_format;
 
 /// Operand sets sent where nothing is said: what runs in a few seconds.
 const DEFAULT_VECTORS: u64 = 1_000_000;
 const DEFAULT_VECTORS_EMBEDDED: u64 = 50_000;
 /// Random rays out of whose walks the steps are taken.
 const RAYS_OF_STEPS: u64 = 2_000;
+/// Of their steps, every so manyeth is sent besides those of every kind.
+const KEPT_EVERY: u64 = 7;
 const DEFAULT_VECTORS_ICARUS: u64 = 5_000;
 
 /// A unit with what is sent through it.
 struct Subject {
     unit: Arc<Module>,
     format: String,
+    method: Option<String>,
     count: u64,
     exhaustive: bool,
     idle_results: Vec<u64>,
@@ -104,7 +105,7 @@ pub fn verify(arguments: &Arguments, name: &str) -> anyhow::Result<Outcome> {
         unit,
         simulator: &simulator,
         format: subject.format,
-        method: None,
+        method: subject.method,
         map: subject.map,
         comparison,
         signals,
@@ -141,6 +142,7 @@ fn operator(
     Ok(Subject {
         unit: stream_unit(&configuration.build(latency)),
         format: configuration.formats(),
+        method: None,
         count: sets.count(),
         exhaustive: sets.is_exhaustive(),
         idle_results,
@@ -154,31 +156,25 @@ fn operator(
 
 /// A step of the traverse unit, on steps of every kind out of the walks of random rays.
 fn step(arguments: &Arguments) -> anyhow::Result<Subject> {
-    let format = float_format(arguments.replacements.format)?;
-    FloatOperator::Add.check(format)?;
     let source = unit_map(&arguments.replacements)?;
     let pyramid = Pyramid::new(&source.source.load(source.channel, source.white_is_low)?);
-    let unit = build_step_unit(&UnitConfiguration {
-        shape: shape_for(&pyramid),
-        format,
-        latencies: OperatorLatencies::PAPER,
-    });
-    let rays = random_rays(
-        format,
-        arguments.vectors.unwrap_or(RAYS_OF_STEPS),
-        arguments.seed,
-    );
-    let set = step_vectors(&unit, format, &pyramid, &rays);
+    let walk = unit_walk(&arguments.replacements)?;
+    let configuration = UnitConfiguration::of(walk, &pyramid)?;
+    let unit = build_step_unit(&configuration);
+    let count = arguments.vectors.unwrap_or(RAYS_OF_STEPS);
+    let rays = unit_rays(walk, &pyramid, count, arguments.seed)?;
+    let set = step_vectors(&unit, &configuration, &pyramid, &rays, KEPT_EVERY);
     let inputs = set
         .fields
         .iter()
         .take_while(|field| field.role == Role::Input)
         .count();
-    let idle = idle_step_results(&unit, format, &pyramid);
+    let idle = idle_step_results(&unit, &configuration, &pyramid);
     let count = set.vectors.len() as u64;
     Ok(Subject {
         unit,
-        format: format.to_string(),
+        format: walk.format.to_string(),
+        method: Some(walk.method.to_string()),
         count,
         exhaustive: false,
         idle_results: idle,

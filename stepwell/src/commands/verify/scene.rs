@@ -7,37 +7,34 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 
-use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::emit::write_design;
 use hdl_gen::fault::plant;
-use hdl_gen::operators::FloatOperator;
 use hdl_gen::units::{TraverseUnit, UnitConfiguration};
 use hdl_gen::verify::{
     Comparison, FoundSimulator, GoldenRun, SimulatedWaveform, TraceWindow, conform_window,
-    golden_waveform, random_rays, run_embedded, run_verilator, traverse_plan, verilator_waveform,
+    golden_waveform, run_embedded, run_verilator, traverse_plan, verilator_waveform,
 };
 use rtl_model::float::FloatFormat;
 use rtl_model::machine::{ID_BITS, StallPattern};
 use rtl_model::maps::Pyramid;
 use rtl_model::ray::Ray;
-use rtl_model::readings::{E7F16, FloatReading, enter};
-use rtl_model::scene::{Crossing, Method, Scene, Walk, WalkFormat};
-use rtl_model::units::traverse::shape_for;
+use rtl_model::readings::E7F16;
+use rtl_model::scene::{Scene, Walk};
 use rtl_model::walker::Walker;
 
 use super::summary::{Finished, SignalFacts, Summary};
 use super::unit_map::unit_map;
+use super::unit_walk::{unit_rays, unit_walk};
 use super::{Arguments, Outcome};
-use crate::options::NumberFormat;
 use crate::output::OutputFolder;
 use crate::progress;
-use crate::units::float_format;
 
 /// Verifies the frame of a scene.
 pub fn verify(arguments: &Arguments, path: &Path) -> anyhow::Result<Outcome> {
     let scene = arguments.replacements.load(path)?;
     let map = scene.load_map()?;
     let pyramid = Pyramid::new(&map);
+    let configuration = configuration(scene.walk, &pyramid)?;
     let rays = frame_rays(&scene, &pyramid)?;
     if rays.is_empty() {
         bail!(
@@ -47,9 +44,10 @@ pub fn verify(arguments: &Arguments, path: &Path) -> anyhow::Result<Outcome> {
     }
     let subject = Subject {
         walk: scene.walk,
+        rays: ports(&configuration, &rays),
+        configuration,
         map: scene.map.source.to_string(),
         pyramid,
-        rays,
     };
     subject.verify(arguments)
 }
@@ -58,21 +56,16 @@ pub fn verify(arguments: &Arguments, path: &Path) -> anyhow::Result<Outcome> {
 pub fn verify_random(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let map = unit_map(&arguments.replacements)?;
     let pyramid = Pyramid::new(&map.source.load(map.channel, map.white_is_low)?);
-    let walk = Walk {
-        method: arguments.replacements.method.unwrap_or(Method::Oh),
-        format: match arguments.replacements.format {
-            None => WalkFormat::Float(FloatFormat::E7F16),
-            Some(format) => format.of_walk()?,
-        },
-        crossing: Crossing::Index,
-    };
+    let walk = unit_walk(&arguments.replacements)?;
+    let configuration = configuration(walk, &pyramid)?;
     let count = arguments.vectors.unwrap_or(RANDOM_RAYS);
-    let rays = random_rays(hardware_format(walk)?, count, arguments.seed);
+    let rays = unit_rays(walk, &pyramid, count, arguments.seed)?;
     Subject {
         walk,
+        rays: ports(&configuration, &rays),
+        configuration,
         map: map.source.to_string(),
         pyramid,
-        rays,
     }
     .verify(arguments)
 }
@@ -83,34 +76,38 @@ const RANDOM_RAYS: u64 = 1_000;
 /// Rays, and what they are sent through.
 struct Subject {
     walk: Walk,
+    configuration: UnitConfiguration,
     map: String,
     pyramid: Pyramid,
+    /// As the unit's ports carry them.
     rays: Vec<Ray<u64>>,
 }
 
-/// The frame's rays as bits of the scene's format.
-fn frame_rays(scene: &Scene, pyramid: &Pyramid) -> anyhow::Result<Vec<Ray<u64>>> {
-    let format = hardware_format(scene.walk)?;
+/// The frame's rays, admitted.
+fn frame_rays(scene: &Scene, pyramid: &Pyramid) -> anyhow::Result<Vec<Ray<f64>>> {
     let walker = Walker::new(scene.walk, pyramid)?;
-    let mut reading = FloatReading(format);
     let rays = scene.view().rays(pyramid.size())?;
-    rays.into_iter()
-        .flatten()
-        .map(|ray| Ok(enter(&mut reading, walker.admit(ray)?)))
-        .collect()
+    let rays = rays.into_iter().flatten();
+    rays.map(|ray| Ok(walker.admit(ray)?)).collect()
 }
 
-/// The walk's format, if the operators can be built in it.
-fn hardware_format(walk: Walk) -> anyhow::Result<FloatFormat> {
-    let format = float_format(Some(NumberFormat::Walk(walk.format)))?;
-    FloatOperator::Add.check(format)?;
-    Ok(format)
+/// The unit of a walk, if there is one.
+fn configuration(walk: Walk, pyramid: &Pyramid) -> anyhow::Result<UnitConfiguration> {
+    let configuration = UnitConfiguration::of(walk, pyramid)?;
+    configuration.check_loop()?;
+    Ok(configuration)
+}
+
+fn ports(configuration: &UnitConfiguration, rays: &[Ray<f64>]) -> Vec<Ray<u64>> {
+    let words = rays.iter().map(|&ray| configuration.port_words(ray));
+    words.collect()
 }
 
 impl Subject {
     fn verify(&self, arguments: &Arguments) -> anyhow::Result<Outcome> {
         let Subject {
             walk,
+            configuration,
             map,
             pyramid,
             rays,
@@ -128,11 +125,7 @@ impl Subject {
             .as_deref()
             .map(OutputFolder::prepare)
             .transpose()?;
-        let mut unit = TraverseUnit::build(UnitConfiguration {
-            shape: shape_for(pyramid),
-            format: hardware_format(*walk)?,
-            latencies: OperatorLatencies::PAPER,
-        });
+        let mut unit = TraverseUnit::build(*configuration);
         if let Some(fault) = &arguments.plant_fault {
             unit.design = plant(&unit.design, &fault.signal, fault.bit)?;
         }
@@ -140,6 +133,7 @@ impl Subject {
             pyramid,
             rays,
             stalls: StallPattern::one_in_eight(arguments.seed as u16),
+            step: configuration.step,
             latency: unit.latency,
         };
         let start = Instant::now();
