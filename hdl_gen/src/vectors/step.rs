@@ -23,8 +23,11 @@ const KEPT_OF_A_KIND: u32 = 2;
 /// be there too.
 pub const KEPT_EVERY: u64 = 499;
 
-/// Steps looked at of a walk: the flattest rays go on for thousands of the same.
+/// Steps looked at of a usual ray's walk ...
 const MOST_STEPS: u32 = 500;
+/// ... and of a ray's through corners: there are thousands of those, and the flattest go on for
+/// thousands of steps of a kind.
+const MOST_CORNER_STEPS: u32 = 48;
 
 /// Vectors of a step in front of `pyramid`: of the walks of `rays` and of rays along the axes,
 /// through corners and at the ends of their range, two steps of every kind there is, and of the
@@ -133,7 +136,8 @@ impl<'a> Chosen<'a> {
     /// Walks a ray and keeps the steps whose kind is still wanted; of a usual ray, some more.
     fn walk(&mut self, ray: Ray<f64>, usual: bool) {
         let mut row = self.start(ray);
-        for _ in 0..MOST_STEPS {
+        let most = if usual { MOST_STEPS } else { MOST_CORNER_STEPS };
+        for _ in 0..most {
             if self.has_ended(&row) {
                 break;
             }
