@@ -339,6 +339,8 @@ pub fn fixed_step<A: Arith>(
     a.name_int("neighbour_j", neighbour_j);
     let past_corner_v = a.int_sub(walk.error, span_u);
     let neighbour_error = a.int_select(u_first, past_corner_u, past_corner_v);
+    // Where the walk crosses, the ray passes through the neighbour.
+    let neighbour_error = a.int_wrap(neighbour_error, shape.error_bits());
     a.name_int("neighbour_error", neighbour_error);
     let crossing = FixedCrossing::<A> {
         u_first,
