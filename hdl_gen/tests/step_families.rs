@@ -7,7 +7,7 @@ mod tools;
 use hdl_gen::fault::plant;
 use hdl_gen::units::{TraverseUnit, UnitConfiguration, build_step_unit};
 use hdl_gen::vectors::step_vectors;
-use hdl_gen::verify::{GoldenRun, random_rays, run_embedded, run_vectors_embedded};
+use hdl_gen::verify::{GoldenRun, Icarus, random_rays, run_embedded, run_vectors_embedded};
 use rtl_model::float::FloatFormat;
 use rtl_model::machine::StallPattern;
 use rtl_model::maps::{Channel, MapSource, Pyramid};
@@ -120,6 +120,39 @@ fn every_loop_is_the_golden_one_in_every_cycle() {
         }
     }
     assert!(pipelined_setups >= 4, "{pipelined_setups}");
+}
+
+/// Icarus reads the ports by the testbench, whose words are those of the unit: a walk that goes up
+/// counts further than others, and its setup takes cycles.
+#[test]
+fn icarus_shows_the_loop_of_a_walk_that_goes_up() {
+    if !tools::has_tool("iverilog") {
+        return;
+    }
+    let icarus = Icarus::find().unwrap();
+    let pyramid = pyramid();
+    let walk = Walk {
+        method: Method::MixedSelective,
+        format: WalkFormat::Float(FloatFormat::E7F16),
+        crossing: Crossing::Index,
+    };
+    let configuration = UnitConfiguration::of(walk, &pyramid).unwrap();
+    let unit = TraverseUnit::build(configuration);
+    let rays: Vec<_> = random_rays(40, 1)
+        .into_iter()
+        .map(|ray| configuration.port_words(ray))
+        .collect();
+    let run = GoldenRun {
+        pyramid: &pyramid,
+        rays: &rays,
+        stalls: StallPattern::one_in_eight(7),
+        step: configuration.step,
+        latency: unit.latency,
+    };
+    let comparison = icarus.run_traverse(&unit, &run).unwrap();
+    assert_eq!(comparison.mismatches, 0, "{:?}", comparison.first);
+    assert_eq!(comparison.rays, 40);
+    assert_eq!(comparison, run_embedded(&unit, &run, |_, _, _| {}).unwrap());
 }
 
 #[test]

@@ -165,8 +165,8 @@ fn options_that_do_not_exist() {
     let bench = Bench::new();
     for (options, expected) in [
         (
-            "--method tevs",
-            ["--method", "unknown method `tevs`", "there is oh"],
+            "--method maximum",
+            ["--method", "unknown method `maximum`", "there is texel, oh"],
         ),
         (
             "--format f32",
@@ -239,8 +239,8 @@ fn scenes_that_are_none() {
     );
     refuses(
         "\"oh\"",
-        "\"tevs\"",
-        &["unknown method `tevs`", "there is oh"],
+        "\"maximum\"",
+        &["unknown method `maximum`", "there is texel, oh"],
     );
     refuses(
         "\"e7f16\"",

@@ -1,7 +1,6 @@
 //! The testbench of the whole traverse unit.
 
 use rtl_model::machine::{ID_BITS, StallPattern};
-use rtl_model::units::traverse_step::COUNTER_BITS;
 
 use super::filled_in;
 use crate::units::TraverseUnit;
@@ -41,6 +40,11 @@ impl TraverseBench {
 /// The file `testbench_traverse.v`.
 pub fn traverse_testbench(unit: &TraverseUnit, bench: &TraverseBench) -> String {
     let shape = unit.configuration.shape;
+    // A walk that goes up can take more steps than others.
+    let steps = unit.design.output("hit_steps_o");
+    let count_bits = unit
+        .design
+        .width(steps.expect("a port of every traverse unit"));
     // The longest run that a 32-bit integer of Verilog counts.
     let watchdog = bench.watchdog.min(i32::MAX as u64);
     filled_in(
@@ -61,7 +65,7 @@ pub fn traverse_testbench(unit: &TraverseUnit, bench: &TraverseBench) -> String 
             ),
             ("ID_BITS", &ID_BITS.to_string()),
             ("TEXEL_BITS", &shape.root_level.max(1).to_string()),
-            ("COUNT_BITS", &(COUNTER_BITS - 1).to_string()),
+            ("COUNT_BITS", &count_bits.to_string()),
             ("HEIGHT_BITS", &shape.height_bits.to_string()),
             ("ADDRESS_BITS", &shape.address_bits().to_string()),
         ],

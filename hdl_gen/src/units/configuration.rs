@@ -39,13 +39,15 @@ pub enum NoHardware {
     Walk(#[from] WalkerError),
     /// Its step has more to it than the loop has.
     #[error(
-        "method {method}: the whole unit is a loop of steps that read a height each and answer a \
-         texel, a depth and a position, and this step is another; it is checked on its own: \
-         --unit traverse_step --method {method}"
+        "method {method} in format {format}: the whole unit is built for steps that read one height \
+         each and compute in floats; this step is checked on its own, by stepwell verify --unit \
+         traverse_step --method {method} --format {format}"
     )]
     NoLoop {
         /// The method's name.
         method: String,
+        /// The format's.
+        format: String,
     },
     /// Its numbers are too wide.
     #[error(transparent)]
@@ -103,6 +105,10 @@ impl UnitConfiguration {
             | AnyStep::WindowFixed(_)
             | AnyStep::Linear(_) => Err(NoHardware::NoLoop {
                 method: self.method.to_string(),
+                format: match self.has_numbers() {
+                    true => self.format.to_string(),
+                    false => "fixed".to_owned(),
+                },
             }),
         }
     }

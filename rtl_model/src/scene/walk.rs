@@ -168,7 +168,8 @@ impl FromStr for WalkFormat {
             "fixed" => return Ok(WalkFormat::Fixed(None)),
             _ => {}
         }
-        if text.starts_with('q') || text.starts_with("uq") {
+        let word = text.strip_prefix("uq").or(text.strip_prefix('q'));
+        if word.is_some_and(|bits| bits.starts_with(|first: char| first.is_ascii_digit())) {
             let format: FixedFormat = text.parse()?;
             if !format.signed {
                 return Err(WalkError::Unsigned { format });
