@@ -7,33 +7,42 @@
 //! at are the few that the ray meets before its first candidate. Those that it has left before the depth of
 //! the block are passed over; they can be no candidates, since no cell is higher than its block.
 //!
-//! A step looks at a cell and goes down or across. Leaving a block takes more, and is done by the
-//! lane alone: one step in five or six. Lines read are counted there: the walk has gone down once for
-//! each level from its start, and once more for each that it has come up; a crossing from a block of
-//! the start level to the next is a line too.
+//! A step looks at a cell and goes down or across. A cell is held by its side and its far borders,
+//! in texels from the map's origin, which makes leaving a block no case of its own. The side of the next cell is the
+//! largest power of four that divides the border crossed, but at most that of the start level: below
+//! it, a border that divides by four sides is one of the block. The next cell's far borders are the
+//! multiples of its side next beyond the point where the ray is.
+//!
+//! Lines read are the times that the walk has gone down, each to a line or to the surface, but for the
+//! first line, which makes up for the last; and the crossings from a block of the start level to the next.
 
 use super::answer::{Ended, EndedAxis};
 use super::entry::AxisEntry;
 use super::lanes::{AT_TOP, LANE_BITS, LANES};
 use super::walk::Walks;
 use crate::maps::Pyramid;
-use crate::packet::node::{onward, step_by};
 use crate::packet::number::{larger, select, smaller};
 use crate::units::wide_shape::WideShape;
 
 /// log2 of the cells on a side of a line.
 pub(super) const LOG2_SIDE: u32 = 2;
 
-/// The bits of a cell's place that index u: two of every four.
-const BITS_U: u64 = 0x3333_3333;
-/// Those that index v.
-const BITS_V: u64 = 0xcccc_cccc;
+/// 1.5 * 2^52: added to a small integer, it leaves it in the low bits, negative or not; and added to a
+/// number it rounds it to an integer.
+const SHIFTER: f64 = 1.5 * (1_u64 << 52) as f64;
 
-/// The lines of a map: `line_levels` levels of cells, over a tile of a power of 16 texels that may
-/// hold the map more than once.
+/// Every other bit: the powers of four.
+const POWERS_OF_FOUR: u64 = 0x5555_5555_5555;
+
+/// One crossing among the counts of a lane, above the times that it has gone down.
+const CROSSING: u64 = 1 << 32;
+
+/// The lines of a map.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Blocks {
     line_levels: u32,
+    /// log2 of the map's side in half texels.
+    log2_half_texels: u32,
     /// How many levels above the lowest a walk starts, by log2 of its travel from top to bottom in
     /// texels, rounded down.
     start_of_reach: [u32; REACHES],
@@ -57,27 +66,24 @@ impl Blocks {
         }
         Blocks {
             line_levels: shape.line_levels() as u32,
+            log2_half_texels: root_level + 1,
             start_of_reach,
             full_height: ((1_u32 << height_bits) - 1).into(),
         }
     }
 
-    /// Levels from the texels of the tile to the tile itself.
-    fn tile_level(&self) -> u32 {
-        LOG2_SIDE * self.line_levels
-    }
-
-    /// A word for each cell, at its place: a one, then for each level from above four bits, v's
-    /// two before u's.
+    /// A word for each cell, at its place: that of its centre among all half texels, row by row. The
+    /// index of a centre is an odd multiple of half the cell's side, and so no two levels share one.
     pub(super) fn in_order(&self, pyramid: &Pyramid, word_of: impl Fn(u16) -> u16) -> Vec<u16> {
-        let mut words = vec![0; 2 << (2 * self.tile_level())];
+        let mut words = vec![0; 1 << (2 * self.log2_half_texels)];
         for n in 0..self.line_levels {
             let level = LOG2_SIDE * n;
-            let side = 1_u32 << (self.tile_level() - level);
+            let centre = |index: u32| (2 * index as usize + 1) << level;
+            let side = 1_u32 << (self.log2_half_texels - 1 - level);
             for j in 0..side {
                 for i in 0..side {
-                    let place = u64::from(side * side) | spread(i) | (spread(j) << 2);
-                    words[place as usize] = word_of(pyramid.height(level, i.into(), j.into()));
+                    let place = (centre(j) << self.log2_half_texels) | centre(i);
+                    words[place] = word_of(pyramid.height(level, i.into(), j.into()));
                 }
             }
         }
@@ -93,25 +99,13 @@ impl Blocks {
         let log2 = (reach.to_bits() >> 52).saturating_sub(1023) as usize;
         self.start_of_reach[log2.min(REACHES - 1)]
     }
-}
 
-/// The pairs of bits of an index below 2^16, each followed by room for another pair.
-#[inline(always)]
-fn spread(index: u32) -> u64 {
-    let mut bits = u64::from(index) & 0xffff;
-    bits = (bits | (bits << 8)) & 0x00ff_00ff;
-    bits = (bits | (bits << 4)) & 0x0f0f_0f0f;
-    (bits | (bits << 2)) & BITS_U
-}
-
-/// Index on u of a texel by its place; shift the place right by two for v.
-#[inline(always)]
-fn index_of_place(place: u64, size: u32) -> u32 {
-    let mut bits = place & BITS_U;
-    bits = (bits | (bits >> 2)) & 0x0f0f_0f0f;
-    bits = (bits | (bits >> 4)) & 0x00ff_00ff;
-    bits = (bits | (bits >> 8)) & 0xffff;
-    bits as u32 & (size - 1)
+    /// The bits of a place that index u, and those that index v.
+    #[inline(always)]
+    fn place_masks(&self) -> [u64; 2] {
+        let mask = (1 << self.log2_half_texels) - 1;
+        [mask, mask << self.log2_half_texels]
+    }
 }
 
 /// What the lanes have on one axis.
@@ -120,6 +114,10 @@ struct AxisCells {
     slope: [f64; LANES],
     lowered_slope: [f64; LANES],
     reciprocal: [f64; LANES],
+    /// What a texel adds to a place; below zero where the axis is mirrored.
+    place_of_texel: [f64; LANES],
+    /// The cell's far border, in texels, mirrored.
+    far: [f64; LANES],
 }
 
 impl AxisCells {
@@ -128,79 +126,83 @@ impl AxisCells {
         slope: [1.0; LANES],
         lowered_slope: [1.0; LANES],
         reciprocal: [1.0; LANES],
+        place_of_texel: [0.0; LANES],
+        far: [1.0; LANES],
     };
 
+    /// Puts a ray into the cell of this side.
     #[inline(always)]
-    fn enter(&mut self, lane: usize, axis: &AxisEntry) {
+    fn enter(&mut self, lane: usize, axis: &AxisEntry, side: i32, place_of_texel: f64) {
         self.entry[lane] = axis.entry;
         self.slope[lane] = axis.slope;
         self.lowered_slope[lane] = axis.lowered_slope;
         self.reciprocal[lane] = axis.reciprocal;
+        self.place_of_texel[lane] = select(axis.mirror == 0, place_of_texel, -place_of_texel);
+        let texel = axis.entry as i32;
+        let texel = texel - i32::from(f64::from(texel) > axis.entry);
+        self.far[lane] = f64::from((texel & -side) + side);
     }
 
-    /// The index of the texel that a ray enters, mirrored.
     #[inline(always)]
-    fn texel(axis: &AxisEntry) -> i32 {
-        let texel = axis.entry as i32;
-        texel - i32::from(f64::from(texel) > axis.entry)
+    fn ended(&self, lane: usize) -> EndedAxis {
+        EndedAxis {
+            entry: self.entry[lane],
+            slope: self.slope[lane],
+            // The step has gone to the near quarter of the texel on the axis crossed.
+            way: self.far[lane] - self.entry[lane] - 0.25,
+            mirrored: self.place_of_texel[lane] < 0.0,
+        }
+    }
+
+    /// The texel's index, not wrapped to the map.
+    #[inline(always)]
+    fn texel(&self, lane: usize) -> u64 {
+        // The step has gone to a quarter of the texel, whose centre an integer never is.
+        let centre = self.far[lane] - 0.125;
+        let centre = select(self.place_of_texel[lane] < 0.0, -centre, centre);
+        // The nearest integer to half a texel below: the next one below.
+        (centre - 0.5 + SHIFTER).to_bits() & 0xffff_ffff
     }
 }
 
 /// The walks of a packet. What a lane holds that has no ray is of no account.
 #[repr(align(64))]
 pub(super) struct BlockPacket {
-    axes: [AxisCells; 2],
-    /// From the entry to the cell's far border, in texels, on u and on v.
-    way: [[f64; LANES]; 2],
-    /// What makes a cell the next one in its block, on u and on v.
-    next: [[u64; LANES]; 2],
+    u: AxisCells,
+    v: AxisCells,
     /// The slope on u for what has been travelled: lowered, or not after a crossing of v.
     travel_slope_u: [f64; LANES],
-    /// The cell looked at, by its place; its index is mirrored back to the map's.
-    cell: [u64; LANES],
-    /// Ones where the index of a mirrored axis is.
-    mirror: [u64; LANES],
+    /// The cell looked at: where its depth lies.
+    place: [u64; LANES],
     /// Side of the cell, in texels.
     size: [f64; LANES],
     /// Side of a cell of the level that the walk starts at.
-    start_size: [f64; LANES],
+    start_size: [u64; LANES],
     /// Depth reached, in height steps.
     t: [f64; LANES],
     /// The cell's depth.
     depth: [i32; LANES],
-    /// Lines read, those down to the surface included.
-    lines: [u32; LANES],
-    /// Crossings from a block of the start level to the next.
-    crossings: [u32; LANES],
+    /// How often the walk has gone down, and in units of [`CROSSING`] from a block of the start level
+    /// to the next.
+    counts: [u64; LANES],
     /// The ray's place in the list.
     ray: [usize; LANES],
     /// The packet's step count when the ray entered.
     entered: [u32; LANES],
 }
 
-/// What became of the lanes in a step: a one for each lane.
-struct Events {
-    /// The walk has ended in a hit.
-    hits: u64,
-    /// The ray has left its block: `leave_block` is due.
-    leaving: u64,
-}
-
 impl BlockPacket {
     /// A packet without rays.
     pub(super) const IDLE: BlockPacket = BlockPacket {
-        axes: [AxisCells::IDLE; 2],
-        way: [[1.0; LANES]; 2],
-        next: [[0; LANES]; 2],
+        u: AxisCells::IDLE,
+        v: AxisCells::IDLE,
         travel_slope_u: [1.0; LANES],
-        cell: [1; LANES],
-        mirror: [0; LANES],
+        place: [0; LANES],
         size: [1.0; LANES],
-        start_size: [1.0; LANES],
+        start_size: [1; LANES],
         t: [AT_TOP; LANES],
         depth: [0; LANES],
-        lines: [0; LANES],
-        crossings: [0; LANES],
+        counts: [0; LANES],
         ray: [0; LANES],
         entered: [0; LANES],
     };
@@ -215,33 +217,29 @@ impl BlockPacket {
         now: u32,
     ) {
         let start = blocks.start(larger(u.slope, v.slope));
-        let level = LOG2_SIDE * start;
-        let side = 1_i32 << level;
+        let side = 1_i32 << (LOG2_SIDE * start);
         let size = f64::from(side);
-        let mut indices = [0; 2];
-        for (number, (axis, bits)) in [(&u, BITS_U), (&v, BITS_V)].into_iter().enumerate() {
-            self.axes[number].enter(lane, axis);
-            let texel = AxisCells::texel(axis);
-            // Its cell, in whole texels.
-            self.way[number][lane] = f64::from((texel & -side) + side) - axis.entry;
-            let one = onward(bits);
-            self.next[number][lane] = (one ^ axis.mirror).wrapping_sub(axis.mirror);
-            indices[number] = (texel ^ axis.mirror as i32) as u32;
-        }
-        let [i, j] = indices;
-        let tile_level = blocks.tile_level();
-        let tile_mask = (1_u64 << (2 * tile_level)) - 1;
-        let texel = (spread(i) | (spread(j) << 2)) & tile_mask | (tile_mask + 1);
+        // Two half texels, or two rows of them.
+        let row = (2_u64 << blocks.log2_half_texels) as f64;
+        self.u.enter(lane, &u, side, 2.0);
+        self.v.enter(lane, &v, side, row);
         self.travel_slope_u[lane] = u.lowered_slope;
-        self.cell[lane] = texel >> (2 * level);
-        self.mirror[lane] = (u.mirror & BITS_U) | (v.mirror & BITS_V);
+        self.place[lane] = self.place_of(lane, size, blocks.place_masks());
         self.size[lane] = size;
-        self.start_size[lane] = size;
+        self.start_size[lane] = side as u64;
         self.t[lane] = AT_TOP;
-        self.lines[lane] = start + 1;
-        self.crossings[lane] = 0;
+        self.counts[lane] = 0;
         self.ray[lane] = ray;
         self.entered[lane] = now;
+    }
+
+    #[inline(always)]
+    fn place_of(&self, lane: usize, size: f64, [mask_u, mask_v]: [u64; 2]) -> u64 {
+        let half = 0.5 * size;
+        let (u, v) = (&self.u, &self.v);
+        let place_u = (u.far[lane] - half) * u.place_of_texel[lane] + SHIFTER;
+        let place_v = (v.far[lane] - half) * v.place_of_texel[lane] + SHIFTER;
+        (place_u.to_bits() & mask_u) | (place_v.to_bits() & mask_v)
     }
 
     /// Looks up the depth of every lane's cell.
@@ -250,26 +248,28 @@ impl BlockPacket {
         // No lane with a ray reaches beyond the memory; the mask spares a lane without one.
         let mask = depths.len() - 1;
         for lane in 0..LANES {
-            self.depth[lane] = depths[self.cell[lane] as usize & mask].into();
+            self.depth[lane] = depths[self.place[lane] as usize & mask].into();
         }
     }
 
-    /// One step of every lane: written as `super::lanes::Packet::step` is, for the same reasons.
+    /// One step of every lane: written as `super::lanes::Packet::step` is, for the same reasons. The
+    /// answer has a one for each lane whose walk has ended.
     #[inline(always)]
-    fn step(&mut self) -> Events {
+    fn step(&mut self, [mask_u, mask_v]: [u64; 2]) -> u64 {
         let mut hits = 0;
-        let mut leaving = 0;
         for (lane, &lane_bit) in LANE_BITS.iter().enumerate() {
             let (size, t) = (self.size[lane], self.t[lane]);
-            let (cell, mirror) = (self.cell[lane], self.mirror[lane]);
-            let (way_u, way_v) = (self.way[0][lane], self.way[1][lane]);
-            let (next_u, next_v) = (self.next[0][lane], self.next[1][lane]);
-            let [u, v] = &self.axes;
+            let (u, v) = (&self.u, &self.v);
+            let (entry_u, entry_v) = (u.entry[lane], v.entry[lane]);
+            let (border_u, border_v) = (u.far[lane], v.far[lane]);
             let (slope_u, lowered_u) = (u.slope[lane], u.lowered_slope[lane]);
             let travel_slope_u = self.travel_slope_u[lane];
+            let start_size = self.start_size[lane];
+            let counts = self.counts[lane];
             let depth = f64::from(self.depth[lane]);
 
             // Where the ray leaves the cell, and by which border.
+            let (way_u, way_v) = (border_u - entry_u, border_v - entry_v);
             let exit_u = way_u * u.reciprocal[lane];
             let exit_v = way_v * v.reciprocal[lane];
             let u_first = exit_u <= exit_v;
@@ -280,96 +280,56 @@ impl BlockPacket {
             let reached = smaller(exit, larger(depth, t));
             self.t[lane] = reached;
             let travel_slope_u = select(t < reached, lowered_u, travel_slope_u);
+            self.travel_slope_u[lane] =
+                select(down, travel_slope_u, select(u_first, lowered_u, slope_u));
 
-            // Which of the sixteen cells the ray is in: by halves.
+            // Down: which of the sixteen cells the ray is in, by halves.
             let (half, quarter) = (0.5 * size, 0.25 * size);
             let travelled_u = reached * travel_slope_u;
             let travelled_v = reached * v.lowered_slope[lane];
             let (midline_u, midline_v) = (way_u - half, way_v - half);
-            let (far_u, far_v) = (midline_u <= travelled_u, midline_v <= travelled_v);
-            let half_u = select(far_u, way_u, midline_u);
-            let half_v = select(far_v, way_v, midline_v);
+            let half_u = select(midline_u <= travelled_u, way_u, midline_u);
+            let half_v = select(midline_v <= travelled_v, way_v, midline_v);
             let (line_u, line_v) = (half_u - quarter, half_v - quarter);
-            let (farther_u, farther_v) = (line_u <= travelled_u, line_v <= travelled_v);
-            self.way[0][lane] = select(
-                down,
-                select(farther_u, half_u, line_u),
-                select(u_first, way_u + size, way_u),
-            );
-            self.way[1][lane] = select(
-                down,
-                select(farther_v, half_v, line_v),
-                select(u_first, way_v, way_v + size),
-            );
-            // A quarter by the exponent.
-            self.size[lane] = f64::from_bits(size.to_bits().wrapping_sub(select(down, 2 << 52, 0)));
-            self.travel_slope_u[lane] =
-                select(down, travel_slope_u, select(u_first, lowered_u, slope_u));
+            let down_u = select(line_u <= travelled_u, half_u, line_u) + entry_u;
+            let down_v = select(line_v <= travelled_v, half_v, line_v) + entry_v;
 
-            let column = select(far_u, 2, 0) | select(farther_u, 1, 0);
-            let row = select(far_v, 8, 0) | select(farther_v, 4, 0);
-            let child = (cell << 4) | ((column | row) ^ (mirror & 15));
-            let across = cell.wrapping_add(select(u_first, next_u, next_v));
-            self.cell[lane] = select(down, child, across);
+            // Across: the side of the next cell, by the lowest one of the border crossed.
+            let crossed = (select(u_first, border_u, border_v) + SHIFTER).to_bits();
+            let divisors = crossed | start_size;
+            let largest = divisors & divisors.wrapping_neg();
+            let next_size = (largest | (largest >> 1)) & POWERS_OF_FOUR;
+            let next_size = f64::from_bits(next_size | SHIFTER.to_bits()) - SHIFTER;
+            let crosses = crossed & (4 * start_size - 1) == 0;
+            // Its far borders: halfway into the next cell on the axis crossed, and back into the cell on the
+            // other, then on to the next multiple. Never halfway between two, so that it is the nearest.
+            let onward_u = select(u_first, half, -half);
+            let half_next = 0.5 * next_size;
+            let shifter = next_size * SHIFTER;
+            let across_u = border_u + (half_next + onward_u) + shifter - shifter;
+            let across_v = border_v + (half_next - onward_u) + shifter - shifter;
 
-            // The last cell of its block on the axis crossed.
-            let last = select(u_first, 3, 12);
-            let is_last = (cell ^ mirror) & last == last;
+            let size_after = select(down, quarter, next_size);
+            let far_u = select(down, down_u, across_u);
+            let far_v = select(down, down_v, across_v);
+            self.size[lane] = size_after;
+            self.u.far[lane] = far_u;
+            self.v.far[lane] = far_v;
+            let half_after = 0.5 * size_after;
+            let place_u = (far_u - half_after) * self.u.place_of_texel[lane] + SHIFTER;
+            let place_v = (far_v - half_after) * self.v.place_of_texel[lane] + SHIFTER;
+            self.place[lane] = (place_u.to_bits() & mask_u) | (place_v.to_bits() & mask_v);
+            self.counts[lane] = counts + select(down, 1, select(crosses, CROSSING, 0));
+
             hits |= select(down & (size == 1.0), lane_bit, 0);
-            leaving |= select(!down & is_last, lane_bit, 0);
         }
-        Events { hits, leaving }
-    }
-
-    /// Takes a lane that has gone across the border of its block into the cell that is next on the
-    /// lowest level at which the two are in one block, or of the start level.
-    #[inline(always)]
-    fn leave_block(&mut self, lane: usize) {
-        // No branch on what the ray does: it could not be foretold.
-        let crossed = usize::from(self.crossed_v(lane));
-        let other = 1 - crossed;
-        let bits = [BITS_U, BITS_V][crossed];
-        let next = self.next[crossed][lane];
-        let size = self.size[lane];
-        let cell = self.cell[lane].wrapping_sub(next);
-        let levels_to_start =
-            (self.start_size[lane].to_bits().wrapping_sub(size.to_bits()) >> 53) as u32;
-        // Levels of which the cell is the last of its block.
-        let not_last = !(cell ^ self.mirror[lane]) & bits | (16 << (4 * levels_to_start));
-        let levels = not_last.trailing_zeros() / 4;
-        let crosses = u32::from(levels > levels_to_start);
-        let up = levels - crosses;
-        let cell = cell >> (4 * up);
-        let index_bits = bits & ((1 << (63 - cell.leading_zeros())) - 1);
-        let amount = select((next as i64) < 0, index_bits, next);
-        self.cell[lane] = step_by(cell, !index_bits, amount);
-        self.lines[lane] += levels;
-        self.crossings[lane] += crosses;
-        let size_above = f64::from_bits(size.to_bits() + (u64::from(up) << 53));
-        self.size[lane] = size_above;
-        self.way[crossed][lane] += size_above - size;
-        // The far border of the larger cell: the next multiple of its side.
-        let entry = self.axes[other].entry[lane];
-        let far = (self.way[other][lane] + entry) as i32;
-        let side = size_above as i32;
-        self.way[other][lane] = f64::from((far + side - 1) & -side) - entry;
+        hits
     }
 
     /// Was the last border crossed one of v?
     #[inline(always)]
     fn crossed_v(&self, lane: usize) -> bool {
-        self.travel_slope_u[lane] == self.axes[0].slope[lane]
-    }
-
-    #[inline(always)]
-    fn ended_axis(&self, number: usize, lane: usize) -> EndedAxis {
-        EndedAxis {
-            entry: self.axes[number].entry[lane],
-            slope: self.axes[number].slope[lane],
-            // The step has gone to the near quarter of the texel on the axis crossed.
-            way: self.way[number][lane] - 0.25,
-            mirrored: (self.next[number][lane] as i64) < 0,
-        }
+        self.travel_slope_u[lane] == self.u.slope[lane]
     }
 }
 
@@ -388,14 +348,7 @@ impl Walks for BlockWalks {
     #[inline(always)]
     fn step<D: Copy + Into<i32>>(&mut self, depths: &[D], live: u64) -> u64 {
         self.packet.fetch(depths);
-        let events = self.packet.step();
-        let mut leaving = events.leaving & live;
-        while leaving != 0 {
-            let lane = leaving.trailing_zeros() as usize % LANES;
-            leaving &= leaving - 1;
-            self.packet.leave_block(lane);
-        }
-        events.hits & live
+        self.packet.step(self.blocks.place_masks()) & live
     }
 
     #[inline(always)]
@@ -411,23 +364,22 @@ impl Walks for BlockWalks {
     #[inline(always)]
     fn ended(&self, lane: usize, _now: u32) -> Ended {
         let packet = &self.packet;
+        let counts = packet.counts[lane];
+        let crossings = (counts / CROSSING) as u32;
         Ended {
             ray: packet.ray[lane],
-            steps: packet.lines[lane],
-            crossings: packet.crossings[lane],
-            texel: packet.cell[lane] >> 4,
+            steps: counts as u32 + crossings,
+            crossings,
+            texel: packet.u.texel(lane) | (packet.v.texel(lane) << 32),
             t: packet.t[lane],
             crossed_v: packet.crossed_v(lane),
-            u: packet.ended_axis(0, lane),
-            v: packet.ended_axis(1, lane),
+            u: packet.u.ended(lane),
+            v: packet.v.ended(lane),
         }
     }
 
     #[inline(always)]
     fn texel(place: u64, size: u32) -> (u32, u32) {
-        (
-            index_of_place(place, size),
-            index_of_place(place >> 2, size),
-        )
+        (place as u32 & (size - 1), (place >> 32) as u32 & (size - 1))
     }
 }
