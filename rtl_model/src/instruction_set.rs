@@ -2,8 +2,8 @@
 //!
 //! Such a loop is written once, in plain Rust without a branch inside, so that the compiler turns it
 //! into vector instructions. [`InstructionSet::Plain`] runs it as the rest of the program is
-//! compiled, for any machine of its kind; [`InstructionSet::Detected`] runs the copy that was compiled
-//! for AVX2, where the program finds at run time that the machine has it. Both give the same bits:
+//! compiled, for any machine of its kind; [`InstructionSet::Detected`] runs a copy that was compiled
+//! for AVX-512 or for AVX2, where the program finds at run time that the machine has it. All give the same bits:
 //! the arithmetic is IEEE 754's in either, and Rust never fuses a product and a sum.
 
 use pulp::{Arch, Simd, WithSimd};
@@ -41,6 +41,8 @@ impl fmt::Display for InstructionSet {
                 Arch::Scalar => f.write_str("plain"),
                 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
                 Arch::V3(_) => f.write_str("AVX2"),
+                #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+                Arch::V4(_) => f.write_str("AVX-512"),
                 #[allow(unreachable_patterns)]
                 other => write!(f, "{other:?}"),
             },

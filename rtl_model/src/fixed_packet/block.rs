@@ -43,9 +43,13 @@ pub(super) struct Blocks {
     line_levels: u32,
     /// log2 of the map's side in half texels.
     log2_half_texels: u32,
-    /// How many levels above the lowest a walk starts, by log2 of its travel from top to bottom in
+    /// The bits of a place that index u, and those that index v, before the lowest is shifted out.
+    place_masks: [u64; 2],
+    /// Side of a cell of the level that a walk starts at, by log2 of its travel from top to bottom in
     /// texels, rounded down.
-    start_of_reach: [u32; REACHES],
+    start_side_of_reach: [i32; REACHES],
+    /// What a texel on v adds to a place: two rows.
+    row_of_texel: f64,
     full_height: f64,
 }
 
@@ -59,30 +63,36 @@ impl Blocks {
             height_bits,
             log2_side: LOG2_SIDE,
         };
-        let mut start_of_reach = [0; REACHES];
-        for (reach, start) in start_of_reach.iter_mut().enumerate() {
+        let mut start_side_of_reach = [0; REACHES];
+        for (reach, side) in start_side_of_reach.iter_mut().enumerate() {
             let starts = |n: &usize| shape.start_reach_log2(shape.line_level(*n)) as usize <= reach;
-            *start = (1..shape.line_levels()).filter(starts).count() as u32;
+            let start = (1..shape.line_levels()).filter(starts).count() as u32;
+            *side = 1 << (LOG2_SIDE * start);
         }
+        let log2_half_texels = root_level + 1;
+        let mask = (1 << log2_half_texels) - 1;
         Blocks {
             line_levels: shape.line_levels() as u32,
-            log2_half_texels: root_level + 1,
-            start_of_reach,
+            log2_half_texels,
+            place_masks: [mask, mask << log2_half_texels],
+            start_side_of_reach,
+            row_of_texel: (2_u64 << log2_half_texels) as f64,
             full_height: ((1_u32 << height_bits) - 1).into(),
         }
     }
 
-    /// A word for each cell, at its place: that of its centre among all half texels, row by row. The
-    /// index of a centre is an odd multiple of half the cell's side, and so no two levels share one.
+    /// A word for each cell, at its place: that of its centre, row by row. Rows are half a texel high:
+    /// those of centres of texels are odd, those of centres of larger cells even; and a row has a word for
+    /// each texel. A centre is an odd number of half sides from the origin, so no two levels share one.
     pub(super) fn in_order(&self, pyramid: &Pyramid, word_of: impl Fn(u16) -> u16) -> Vec<u16> {
-        let mut words = vec![0; 1 << (2 * self.log2_half_texels)];
+        let mut words = vec![0; 1 << (2 * self.log2_half_texels - 1)];
         for n in 0..self.line_levels {
             let level = LOG2_SIDE * n;
             let centre = |index: u32| (2 * index as usize + 1) << level;
             let side = 1_u32 << (self.log2_half_texels - 1 - level);
             for j in 0..side {
                 for i in 0..side {
-                    let place = (centre(j) << self.log2_half_texels) | centre(i);
+                    let place = (centre(j) << (self.log2_half_texels - 1)) | (centre(i) / 2);
                     words[place] = word_of(pyramid.height(level, i.into(), j.into()));
                 }
             }
@@ -90,21 +100,14 @@ impl Blocks {
         words
     }
 
-    /// How many levels above the lowest a walk starts.
+    /// Side of a cell of the level that a walk starts at.
     #[inline(always)]
-    fn start(&self, slope: f64) -> u32 {
+    fn start_side(&self, slope: f64) -> i32 {
         // Exact: a slope has at most 32 bits.
         let reach = slope * self.full_height;
         // Below one texel a walk starts at the lowest level, as below two.
         let log2 = (reach.to_bits() >> 52).saturating_sub(1023) as usize;
-        self.start_of_reach[log2.min(REACHES - 1)]
-    }
-
-    /// The bits of a place that index u, and those that index v.
-    #[inline(always)]
-    fn place_masks(&self) -> [u64; 2] {
-        let mask = (1 << self.log2_half_texels) - 1;
-        [mask, mask << self.log2_half_texels]
+        self.start_side_of_reach[log2.min(REACHES - 1)]
     }
 }
 
@@ -132,15 +135,16 @@ impl AxisCells {
 
     /// Puts a ray into the cell of this side.
     #[inline(always)]
-    fn enter(&mut self, lane: usize, axis: &AxisEntry, side: i32, place_of_texel: f64) {
+    fn enter(&mut self, lane: usize, axis: &AxisEntry, size: f64, place_of_texel: f64) {
         self.entry[lane] = axis.entry;
         self.slope[lane] = axis.slope;
         self.lowered_slope[lane] = axis.lowered_slope;
         self.reciprocal[lane] = axis.reciprocal;
         self.place_of_texel[lane] = select(axis.mirror == 0, place_of_texel, -place_of_texel);
-        let texel = axis.entry as i32;
-        let texel = texel - i32::from(f64::from(texel) > axis.entry);
-        self.far[lane] = f64::from((texel & -side) + side);
+        // The nearest multiple of the side, and the next one if that is not beyond the entry.
+        let shifter = SHIFTER * size;
+        let nearest = axis.entry + shifter - shifter;
+        self.far[lane] = select(nearest > axis.entry, nearest, nearest + size);
     }
 
     #[inline(always)]
@@ -178,6 +182,8 @@ pub(super) struct BlockPacket {
     size: [f64; LANES],
     /// Side of a cell of the level that the walk starts at.
     start_size: [u64; LANES],
+    /// The bits of a texel's index that tell where it is in its block of that level.
+    in_block: [u64; LANES],
     /// Depth reached, in height steps.
     t: [f64; LANES],
     /// The cell's depth.
@@ -200,6 +206,7 @@ impl BlockPacket {
         place: [0; LANES],
         size: [1.0; LANES],
         start_size: [1; LANES],
+        in_block: [0; LANES],
         t: [AT_TOP; LANES],
         depth: [0; LANES],
         counts: [0; LANES],
@@ -216,17 +223,16 @@ impl BlockPacket {
         blocks: &Blocks,
         now: u32,
     ) {
-        let start = blocks.start(larger(u.slope, v.slope));
-        let side = 1_i32 << (LOG2_SIDE * start);
+        let side = blocks.start_side(larger(u.slope, v.slope));
         let size = f64::from(side);
         // Two half texels, or two rows of them.
-        let row = (2_u64 << blocks.log2_half_texels) as f64;
-        self.u.enter(lane, &u, side, 2.0);
-        self.v.enter(lane, &v, side, row);
+        self.u.enter(lane, &u, size, 2.0);
+        self.v.enter(lane, &v, size, blocks.row_of_texel);
         self.travel_slope_u[lane] = u.lowered_slope;
-        self.place[lane] = self.place_of(lane, size, blocks.place_masks());
+        self.place[lane] = self.place_of(lane, size, blocks.place_masks);
         self.size[lane] = size;
         self.start_size[lane] = side as u64;
+        self.in_block[lane] = 4 * side as u64 - 1;
         self.t[lane] = AT_TOP;
         self.counts[lane] = 0;
         self.ray[lane] = ray;
@@ -239,7 +245,7 @@ impl BlockPacket {
         let (u, v) = (&self.u, &self.v);
         let place_u = (u.far[lane] - half) * u.place_of_texel[lane] + SHIFTER;
         let place_v = (v.far[lane] - half) * v.place_of_texel[lane] + SHIFTER;
-        (place_u.to_bits() & mask_u) | (place_v.to_bits() & mask_v)
+        ((place_u.to_bits() & mask_u) | (place_v.to_bits() & mask_v)) >> 1
     }
 
     /// Looks up the depth of every lane's cell.
@@ -265,6 +271,7 @@ impl BlockPacket {
             let (slope_u, lowered_u) = (u.slope[lane], u.lowered_slope[lane]);
             let travel_slope_u = self.travel_slope_u[lane];
             let start_size = self.start_size[lane];
+            let in_block = self.in_block[lane];
             let counts = self.counts[lane];
             let depth = f64::from(self.depth[lane]);
 
@@ -300,7 +307,7 @@ impl BlockPacket {
             let largest = divisors & divisors.wrapping_neg();
             let next_size = (largest | (largest >> 1)) & POWERS_OF_FOUR;
             let next_size = f64::from_bits(next_size | SHIFTER.to_bits()) - SHIFTER;
-            let crosses = crossed & (4 * start_size - 1) == 0;
+            let crosses = crossed & in_block == 0;
             // Its far borders: halfway into the next cell on the axis crossed, and back into the cell on the
             // other, then on to the next multiple. Never halfway between two, so that it is the nearest.
             let onward_u = select(u_first, half, -half);
@@ -318,10 +325,11 @@ impl BlockPacket {
             let half_after = 0.5 * size_after;
             let place_u = (far_u - half_after) * self.u.place_of_texel[lane] + SHIFTER;
             let place_v = (far_v - half_after) * self.v.place_of_texel[lane] + SHIFTER;
-            self.place[lane] = (place_u.to_bits() & mask_u) | (place_v.to_bits() & mask_v);
+            self.place[lane] = ((place_u.to_bits() & mask_u) | (place_v.to_bits() & mask_v)) >> 1;
             self.counts[lane] = counts + select(down, 1, select(crosses, CROSSING, 0));
 
-            hits |= select(down & (size == 1.0), lane_bit, 0);
+            // Below the texels: the walk has ended.
+            hits |= select(size_after < 1.0, lane_bit, 0);
         }
         hits
     }
@@ -348,7 +356,7 @@ impl Walks for BlockWalks {
     #[inline(always)]
     fn step<D: Copy + Into<i32>>(&mut self, depths: &[D], live: u64) -> u64 {
         self.packet.fetch(depths);
-        self.packet.step(self.blocks.place_masks()) & live
+        self.packet.step(self.blocks.place_masks) & live
     }
 
     #[inline(always)]
