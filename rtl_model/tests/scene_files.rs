@@ -166,7 +166,7 @@ const FAULTS: [(&str, &str, &[&str]); 26] = [
     (
         "\"oh\"",
         "\"best\"",
-        &["line 20", "unknown method `best`: there is oh"],
+        &["line 20", "unknown method `best`: there is texel, oh"],
     ),
     ("\"f64\"", "\"e7f60\"", &["line 21", "2 to 52"]),
     (

@@ -48,7 +48,7 @@ fn judge<const N: usize>(methods: [Method; N], format: &str) -> [Judged; N] {
     judged
 }
 
-/// The most mean steps of a method, as shares of those of `mixed-selective`: measured at 1024 x 768,
+/// The most mean steps of a method, as shares of those of `mixed-selective`: measured at the size below,
 /// and a little more. The target of `block` is 0.60, 0.52 and 0.45.
 const MOST_STEPS: [(Method, [f64; 3]); 3] = [
     (Method::Quad, [0.65, 0.67, 0.61]),
