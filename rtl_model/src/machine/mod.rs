@@ -3,11 +3,30 @@
 //! The arithmetic of a pipeline is not simulated register by register: a datapath is evaluated
 //! once for each ray that enters it, and the schedule says in which later cycle each of the
 //! results stands in which register. What a machine models is control.
+//!
+//! The blocks that machines are made of, [`Fifo`], [`HeightCache`], [`ReadPort`], are small
+//! machines of their own, each with a Verilog twin in `hdl_gen::blocks`. [`AxiMemory`] is what
+//! stands outside.
 
+mod axi_memory;
+mod declaration;
+mod fifo;
+mod height_cache;
+mod read_port;
 mod recirculation;
 mod stall;
 mod stream;
 
+pub use axi_memory::{AxiMemory, AxiMemoryOutputs, AxiMemoryShape};
+pub use declaration::{ClockedUnit, Declared, DeclaredKind, bits_for};
+pub use fifo::{Fifo, FifoField, FifoOutputs, FifoShape};
+pub use height_cache::{
+    CacheAnswer, HeightCache, HeightCacheInputs, HeightCacheOutputs, HeightCacheShape, LINE_HEIGHTS,
+};
+pub use read_port::{
+    ADDRESS_BITS, AxiAddress, AxiBeat, BEAT_BYTES, ReadPort, ReadPortInputs, ReadPortOutputs,
+    ReadPortShape,
+};
 pub use recirculation::{
     CycleInputs, CycleOutputs, ID_BITS, SetupEntry, StageEntry, TraverseMachine, UnitLatency,
 };

@@ -1,0 +1,694 @@
+//! A height cache that never makes anybody wait: a lookup in every cycle, answered a fixed number
+//! of cycles later with the heights, or with the news that they are on their way.
+//!
+//! Direct mapped, lines of 16 heights. The low bits of a line's number are its index, the rest its
+//! tag. In the cycle of a lookup the tag and the heights at the index are read into registers,
+//! behind which the tag is compared. A miss takes note of the line, unless it is noted already or
+//! there is no room; the lines noted are fetched one after the other, and arrive in that order.
+
+use super::declaration::{ClockedUnit, Declared, bits_for};
+
+/// Heights of a line.
+pub const LINE_HEIGHTS: u32 = 16;
+/// Bits of a word of the cache's memories: a beat of the memory bus.
+const WORD_BITS: u32 = 64;
+/// Bits of the counters, which run over.
+const COUNTER_BITS: u32 = 32;
+
+/// What a hit is answered with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CacheAnswer {
+    /// One height: the low four bits of a lookup's address say which of the line's.
+    Height,
+    /// All heights of the line: a lookup's address is the line's number.
+    Line,
+}
+
+/// What a height cache is built as.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HeightCacheShape {
+    /// The module's name.
+    pub name: String,
+    /// Bits of a height: 8 or 16.
+    pub height_bits: u32,
+    /// Bits of a line's number: more than an index has.
+    pub line_bits: u32,
+    /// Lines that it holds, a power of two from 2 up.
+    pub lines: u32,
+    /// Lines that may be noted as missing and not yet be there: 2, 4 or 8.
+    pub pending: u32,
+    /// What a hit is answered with.
+    pub answer: CacheAnswer,
+    /// Cycles from a lookup to its answer: 1, or 2 with a second rank of registers behind the
+    /// memories, for a higher clock.
+    pub latency: u32,
+    /// Counts hits, misses and lines asked for.
+    pub counters: bool,
+}
+
+impl HeightCacheShape {
+    /// # Panics
+    /// If it is no cache that can be built.
+    pub fn check(&self) {
+        let name = &self.name;
+        assert!(
+            [8, 16].contains(&self.height_bits),
+            "height cache {name}: heights of {} bits",
+            self.height_bits
+        );
+        assert!(
+            self.lines >= 2 && self.lines.is_power_of_two(),
+            "height cache {name}: {} lines, which is no power of two from 2 up",
+            self.lines
+        );
+        assert!(
+            self.line_bits > self.index_bits() && self.line_bits <= 32,
+            "height cache {name}: {} lines of a map of 2^{} leave no tag; take fewer",
+            self.lines,
+            self.line_bits
+        );
+        assert!(
+            [2, 4, 8].contains(&self.pending),
+            "height cache {name}: {} lines pending",
+            self.pending
+        );
+        assert!(
+            [1, 2].contains(&self.latency),
+            "height cache {name}: a latency of {} cycles",
+            self.latency
+        );
+    }
+
+    /// Bits of a line's index.
+    pub fn index_bits(&self) -> u32 {
+        bits_for(self.lines)
+    }
+
+    /// Bits of a line's tag.
+    pub fn tag_bits(&self) -> u32 {
+        self.line_bits - self.index_bits()
+    }
+
+    /// Beats of a line, which are words of it too: 2 of 8-bit heights, 4 of 16-bit ones. The
+    /// first height stands in the low bits of the first word.
+    pub fn beats(&self) -> u32 {
+        LINE_HEIGHTS * self.height_bits / WORD_BITS
+    }
+
+    /// Bits of a place in a line that a lookup's address ends with.
+    pub fn offset_bits(&self) -> u32 {
+        match self.answer {
+            CacheAnswer::Height => bits_for(LINE_HEIGHTS),
+            CacheAnswer::Line => 0,
+        }
+    }
+
+    /// Bits of a lookup's address.
+    pub fn address_bits(&self) -> u32 {
+        self.line_bits + self.offset_bits()
+    }
+
+    /// Words that are read in a lookup.
+    pub fn words_read(&self) -> u32 {
+        match self.answer {
+            CacheAnswer::Height => 1,
+            CacheAnswer::Line => self.beats(),
+        }
+    }
+
+    /// The output ports of an answer's heights: `height_o`, or `line_0_o` and so on, the words of
+    /// the line.
+    pub fn answer_ports(&self) -> Vec<(String, u32)> {
+        match self.answer {
+            CacheAnswer::Height => vec![("height_o".to_owned(), self.height_bits)],
+            CacheAnswer::Line => (0..self.beats())
+                .map(|word| (format!("line_{word}_o"), WORD_BITS))
+                .collect(),
+        }
+    }
+
+    /// Ports and registers, in the order of the words of [`ClockedUnit`].
+    pub fn declaration(&self) -> Vec<Declared> {
+        let pointer = bits_for(self.pending);
+        let mut signals = vec![
+            Declared::input("lookup_valid_i", 1),
+            Declared::input("lookup_address_i", self.address_bits()),
+            Declared::input("fetch_ready_i", 1),
+            Declared::input("beat_valid_i", 1),
+            Declared::input("beat_data_i", WORD_BITS),
+            Declared::output("lookup_ready_o", 1),
+            Declared::output("answer_valid_o", 1),
+            Declared::output("hit_o", 1),
+        ];
+        let ports = self.answer_ports();
+        signals.extend(ports.into_iter().map(|(name, w)| Declared::output(name, w)));
+        signals.push(Declared::output("fetch_valid_o", 1));
+        signals.push(Declared::output("fetch_line_o", self.line_bits));
+        if self.counters {
+            for name in ["hits_o", "misses_o", "fetches_o"] {
+                signals.push(Declared::output(name, COUNTER_BITS));
+            }
+        }
+        signals.push(Declared::register("swept", self.index_bits() + 1, 0));
+        for stage in 1..=self.latency {
+            let named = |name: &str| format!("{name}_s{stage}");
+            signals.push(Declared::register(named("lookup_valid"), 1, 0));
+            signals.push(Declared::data_register(
+                named("lookup_address"),
+                self.address_bits(),
+            ));
+            signals.push(Declared::data_register(named("collided"), 1));
+            signals.push(Declared::data_register(named("stored_valid"), 1));
+            signals.push(Declared::data_register(
+                named("stored_tag"),
+                self.tag_bits(),
+            ));
+            for word in 0..self.words_read() {
+                let name = match self.answer {
+                    CacheAnswer::Height => named("heights"),
+                    CacheAnswer::Line => named(&format!("line_{word}")),
+                };
+                signals.push(Declared::data_register(name, WORD_BITS));
+            }
+        }
+        for slot in 0..self.pending {
+            signals.push(Declared::register(format!("slot_valid_{slot}"), 1, 0));
+            signals.push(Declared::data_register(
+                format!("slot_line_{slot}"),
+                self.line_bits,
+            ));
+        }
+        for name in ["note", "fetch", "fill", "free"] {
+            signals.push(Declared::register(format!("{name}_pointer"), pointer, 0));
+        }
+        signals.push(Declared::register("unasked", pointer + 1, 0));
+        signals.push(Declared::register("beat_index", bits_for(self.beats()), 0));
+        for stage in 1..=self.latency {
+            signals.push(Declared::register(format!("filled_s{stage}"), 1, 0));
+        }
+        signals
+    }
+}
+
+/// What a height cache's input ports carry in a cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct HeightCacheInputs {
+    /// A lookup, of which note is taken where the cache is ready.
+    pub lookup_valid: bool,
+    /// Its address: the line's number, then, for one height, its place in the line.
+    pub lookup_address: u64,
+    /// The line that is asked for is taken note of.
+    pub fetch_ready: bool,
+    /// A beat arrives. Beats are taken at once, and come in the order of the lines asked for.
+    pub beat_valid: bool,
+    /// Its heights, the first in the low bits.
+    pub beat_data: u64,
+}
+
+/// What a height cache's output ports carry in a cycle; none follows an input within the cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HeightCacheOutputs {
+    /// Lookups are answered. Low only after reset, for as many cycles as there are lines: the
+    /// tags are cleared.
+    pub lookup_ready: bool,
+    /// This is the answer to the lookup of [`HeightCacheShape::latency`] cycles ago.
+    pub answer_valid: bool,
+    /// The heights are those that were looked up; else they are of no use.
+    pub hit: bool,
+    /// The height, or the words of the line; the rest zero.
+    pub heights: [u64; 4],
+    /// A line is asked for.
+    pub fetch_valid: bool,
+    /// Its number.
+    pub fetch_line: u64,
+}
+
+/// What was read for a lookup.
+#[derive(Clone, Copy, Debug, Default)]
+struct Read {
+    valid: bool,
+    address: u64,
+    collided: bool,
+    /// The line that stood at the index, by its tag, and whether it was one.
+    stored_valid: bool,
+    stored_tag: u64,
+    words: [u64; 4],
+}
+
+/// A height cache.
+///
+/// A line becomes visible in the cycle after the one in which its last beat arrives. With its
+/// first beat the line that stood at its index is gone. A lookup of an index that is written in
+/// the same cycle misses. A line counts as noted until every lookup that could not yet see it has
+/// been answered, so that none is fetched twice.
+#[derive(Clone, Debug)]
+pub struct HeightCache {
+    shape: HeightCacheShape,
+    /// Valid and tag of every index.
+    tags: Vec<(bool, u64)>,
+    /// The words of every index, `beats` each.
+    words: Vec<u64>,
+    swept: u32,
+    /// Lookups by their age, the youngest first; `latency` of them.
+    reads: [Read; 2],
+    /// The last lines noted, by their number modulo `pending`.
+    noted_lines: Vec<u64>,
+    /// Lines noted, asked for, filled and done with since reset.
+    noted: u64,
+    asked: u64,
+    filled: u64,
+    freed: u64,
+    beat: u32,
+    /// Was a line filled one cycle ago, and two?
+    just_filled: [bool; 2],
+    hits: u64,
+    misses: u64,
+}
+
+impl HeightCache {
+    /// A cache after its reset, its memories full of zeros.
+    ///
+    /// # Panics
+    /// If the shape is none that can be built.
+    pub fn new(shape: HeightCacheShape) -> HeightCache {
+        shape.check();
+        HeightCache {
+            tags: vec![(false, 0); shape.lines as usize],
+            words: vec![0; (shape.lines * shape.beats()) as usize],
+            swept: 0,
+            reads: [Read::default(); 2],
+            noted_lines: vec![0; shape.pending as usize],
+            noted: 0,
+            asked: 0,
+            filled: 0,
+            freed: 0,
+            beat: 0,
+            just_filled: [false; 2],
+            hits: 0,
+            misses: 0,
+            shape,
+        }
+    }
+
+    /// What it is built as.
+    pub fn shape(&self) -> &HeightCacheShape {
+        &self.shape
+    }
+
+    /// Lookups answered with heights.
+    pub fn hits(&self) -> u64 {
+        self.hits
+    }
+
+    /// Lookups answered without.
+    pub fn misses(&self) -> u64 {
+        self.misses
+    }
+
+    /// Lines noted to be fetched.
+    pub fn fetches(&self) -> u64 {
+        self.noted
+    }
+
+    fn index(&self, line: u64) -> usize {
+        (line % u64::from(self.shape.lines)) as usize
+    }
+
+    fn line(&self, address: u64) -> u64 {
+        address >> self.shape.offset_bits()
+    }
+
+    fn slot(&self, count: u64) -> usize {
+        (count % u64::from(self.shape.pending)) as usize
+    }
+
+    /// The lookup that is answered in this cycle.
+    fn answered(&self) -> &Read {
+        &self.reads[self.shape.latency as usize - 1]
+    }
+
+    fn is_hit(&self, read: &Read) -> bool {
+        let tag = self.line(read.address) >> self.shape.index_bits();
+        read.valid && !read.collided && read.stored_valid && read.stored_tag == tag
+    }
+
+    /// What the output ports carry in this cycle.
+    pub fn outputs(&self) -> HeightCacheOutputs {
+        let read = self.answered();
+        let heights = match self.shape.answer {
+            CacheAnswer::Line => read.words,
+            CacheAnswer::Height => {
+                let in_word = WORD_BITS / self.shape.height_bits;
+                let place = read.address as u32 % in_word;
+                let height = read.words[0] >> (place * self.shape.height_bits);
+                [height & ((1 << self.shape.height_bits) - 1), 0, 0, 0]
+            }
+        };
+        HeightCacheOutputs {
+            lookup_ready: self.swept == self.shape.lines,
+            answer_valid: read.valid,
+            hit: self.is_hit(read),
+            heights,
+            fetch_valid: self.asked < self.noted,
+            fetch_line: self.noted_lines[self.slot(self.asked)],
+        }
+    }
+
+    /// Is a line noted, as this cycle sees it?
+    fn is_noted(&self, line: u64) -> bool {
+        (self.freed..self.noted).any(|count| self.noted_lines[self.slot(count)] == line)
+    }
+
+    /// The rising edge at the end of a cycle.
+    pub fn clock(&mut self, inputs: &HeightCacheInputs) {
+        let outputs = self.outputs();
+        let answered = *self.answered();
+        // What of the past is decided in this cycle.
+        let room = self.noted - self.freed < u64::from(self.shape.pending);
+        let missing = self.line(answered.address);
+        let notes = outputs.answer_valid && !outputs.hit && room && !self.is_noted(missing);
+        self.hits += u64::from(outputs.hit);
+        self.misses += u64::from(outputs.answer_valid && !outputs.hit);
+
+        self.look_up(inputs, outputs.lookup_ready);
+        self.freed += u64::from(self.just_filled[self.shape.latency as usize - 1]);
+        let full = self.take_beat(inputs);
+        self.just_filled = [full, self.just_filled[0]];
+        self.asked += u64::from(outputs.fetch_valid && inputs.fetch_ready);
+        if notes {
+            let slot = self.slot(self.noted);
+            self.noted_lines[slot] = missing;
+            self.noted += 1;
+        }
+    }
+
+    /// Reads what stands at a lookup's index, before this cycle's beat is written.
+    fn look_up(&mut self, inputs: &HeightCacheInputs, ready: bool) {
+        let line = self.line(inputs.lookup_address);
+        let index = self.index(line);
+        let written = if ready {
+            let filling = self.noted_lines[self.slot(self.filled)];
+            inputs.beat_valid.then(|| self.index(filling))
+        } else {
+            Some(self.swept as usize)
+        };
+        let mut read = Read {
+            valid: inputs.lookup_valid && ready,
+            address: inputs.lookup_address,
+            collided: written == Some(index),
+            // The registers behind the memories keep what they hold in a collision.
+            ..self.reads[0]
+        };
+        if !read.collided {
+            (read.stored_valid, read.stored_tag) = self.tags[index];
+            let beats = self.shape.beats() as usize;
+            let words = &self.words[index * beats..][..beats];
+            match self.shape.answer {
+                CacheAnswer::Line => read.words[..beats].copy_from_slice(words),
+                CacheAnswer::Height => {
+                    let place = inputs.lookup_address as usize % LINE_HEIGHTS as usize;
+                    read.words[0] = words[place * beats / LINE_HEIGHTS as usize];
+                }
+            }
+        }
+        self.reads = [read, self.reads[0]];
+    }
+
+    /// Writes a beat, or clears a tag; answers whether a line is full.
+    fn take_beat(&mut self, inputs: &HeightCacheInputs) -> bool {
+        if self.swept < self.shape.lines {
+            self.tags[self.swept as usize] = (false, 0);
+            self.swept += 1;
+            return false;
+        }
+        if !inputs.beat_valid {
+            return false;
+        }
+        let line = self.noted_lines[self.slot(self.filled)];
+        let index = self.index(line);
+        let beats = self.shape.beats();
+        self.words[index * beats as usize + self.beat as usize] = inputs.beat_data;
+        let last = self.beat + 1 == beats;
+        self.tags[index] = (last, line >> self.shape.index_bits());
+        self.beat = (self.beat + 1) % beats;
+        self.filled += u64::from(last);
+        last
+    }
+}
+
+impl HeightCacheInputs {
+    fn of_words(words: &[u64]) -> HeightCacheInputs {
+        HeightCacheInputs {
+            lookup_valid: words[0] != 0,
+            lookup_address: words[1],
+            fetch_ready: words[2] != 0,
+            beat_valid: words[3] != 0,
+            beat_data: words[4],
+        }
+    }
+}
+
+impl ClockedUnit for HeightCache {
+    fn declaration(&self) -> Vec<Declared> {
+        self.shape.declaration()
+    }
+
+    fn observe(&self, _driven: &[u64], words: &mut Vec<u64>) {
+        let outputs = self.outputs();
+        words.extend([
+            u64::from(outputs.lookup_ready),
+            outputs.answer_valid.into(),
+            outputs.hit.into(),
+        ]);
+        words.extend(&outputs.heights[..self.shape.answer_ports().len()]);
+        words.extend([u64::from(outputs.fetch_valid), outputs.fetch_line]);
+        if self.shape.counters {
+            let counter = |count: u64| count & ((1 << COUNTER_BITS) - 1);
+            words.extend([self.hits, self.misses, self.noted].map(counter));
+        }
+        words.push(self.swept.into());
+        for read in &self.reads[..self.shape.latency as usize] {
+            words.extend([
+                u64::from(read.valid),
+                read.address,
+                read.collided.into(),
+                read.stored_valid.into(),
+                read.stored_tag,
+            ]);
+            words.extend(&read.words[..self.shape.words_read() as usize]);
+        }
+        for (slot, &line) in self.noted_lines.iter().enumerate() {
+            let valid = (self.freed..self.noted).any(|count| self.slot(count) == slot);
+            words.extend([u64::from(valid), line]);
+        }
+        for count in [self.noted, self.asked, self.filled, self.freed] {
+            words.push(self.slot(count) as u64);
+        }
+        words.push(self.noted - self.asked);
+        words.push(self.beat.into());
+        let latency = self.shape.latency as usize;
+        words.extend(
+            self.just_filled[..latency]
+                .iter()
+                .map(|&filled| u64::from(filled)),
+        );
+    }
+
+    fn clock(&mut self, driven: &[u64]) {
+        HeightCache::clock(self, &HeightCacheInputs::of_words(driven));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::axi_memory::{AxiMemory, AxiMemoryShape};
+    use super::super::read_port::{ReadPort, ReadPortInputs, ReadPortShape};
+    use super::*;
+
+    fn shape(answer: CacheAnswer, height_bits: u32, latency: u32) -> HeightCacheShape {
+        HeightCacheShape {
+            name: "height_cache".to_owned(),
+            height_bits,
+            line_bits: 8,
+            lines: 16,
+            pending: 4,
+            answer,
+            latency,
+            counters: true,
+        }
+    }
+
+    /// Cache, port and memory, cycle by cycle.
+    struct Bench {
+        cache: HeightCache,
+        port: ReadPort,
+        memory: AxiMemory<'static>,
+        asked: Vec<u64>,
+        words: Vec<u64>,
+    }
+
+    impl Bench {
+        fn new(shape: HeightCacheShape, stalls: Option<u16>) -> Bench {
+            let words: Vec<u64> = (1..=256 * u64::from(shape.beats()))
+                .map(|word| word.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+                .collect();
+            let memory = AxiMemoryShape {
+                latency: 10,
+                bytes_per_cycle: 8,
+                outstanding: 4,
+                stalls,
+            };
+            Bench {
+                port: ReadPort::new(ReadPortShape::new("read_port", 8, shape.beats(), 4)),
+                memory: AxiMemory::new(memory, words.clone()),
+                cache: HeightCache::new(shape),
+                asked: Vec::new(),
+                words,
+            }
+        }
+
+        fn height(&self, address: u64) -> u64 {
+            let in_word = u64::from(64 / self.cache.shape.height_bits);
+            let word = self.words[(address / in_word) as usize];
+            let shift = address % in_word * u64::from(self.cache.shape.height_bits);
+            word >> shift & ((1 << self.cache.shape.height_bits) - 1)
+        }
+
+        /// A cycle; answers what the cache gave in it.
+        fn cycle(&mut self, lookup: Option<u64>) -> HeightCacheOutputs {
+            let outputs = self.cache.outputs();
+            let answer = self.memory.outputs();
+            let port_inputs = ReadPortInputs {
+                request_valid: outputs.fetch_valid,
+                request_line: outputs.fetch_line,
+                beat_ready: true,
+                arready: answer.arready,
+                r: answer.r,
+            };
+            let port = self.port.outputs(&port_inputs);
+            if outputs.fetch_valid && port.request_ready {
+                self.asked.push(outputs.fetch_line);
+            }
+            self.cache.clock(&HeightCacheInputs {
+                lookup_valid: lookup.is_some(),
+                lookup_address: lookup.unwrap_or_default(),
+                fetch_ready: port.request_ready,
+                beat_valid: port.beat_valid,
+                beat_data: port.beat_data,
+            });
+            self.port.clock(&port_inputs);
+            self.memory.clock(&port.ar, port.rready);
+            assert!(!port.error);
+            outputs
+        }
+
+        fn sweep(&mut self) {
+            for _ in 0..16 {
+                assert!(!self.cycle(Some(3)).lookup_ready);
+            }
+            let outputs = self.cycle(None);
+            assert!(outputs.lookup_ready && !outputs.answer_valid);
+            assert_eq!(self.cache.misses(), 0);
+        }
+    }
+
+    #[test]
+    fn a_miss_fetches_a_line_once_and_later_lookups_hit() {
+        for latency in [1, 2] {
+            let mut bench = Bench::new(shape(CacheAnswer::Height, 8, latency), None);
+            bench.sweep();
+            let mut first_hit = None;
+            for cycle in 0..40u64 {
+                let outputs = bench.cycle(Some(0x123));
+                assert_eq!(outputs.answer_valid, cycle >= u64::from(latency));
+                if outputs.hit {
+                    first_hit = first_hit.or(Some(cycle));
+                    assert_eq!(outputs.heights[0], bench.height(0x123));
+                } else {
+                    assert_eq!(first_hit, None, "visible once, visible for good");
+                }
+            }
+            // Miss, note, port, ten cycles of memory, two beats, port, line, lookup.
+            assert_eq!(first_hit, Some(15 + 2 * u64::from(latency)));
+            assert_eq!(bench.asked, [0x12]);
+            assert_eq!(bench.cache.fetches(), 1);
+            assert_eq!(
+                bench.cache.hits() + bench.cache.misses(),
+                40 - u64::from(latency)
+            );
+        }
+    }
+
+    #[test]
+    fn what_hits_is_what_the_memory_holds() {
+        for (answer, height_bits, latency) in [
+            (CacheAnswer::Height, 8, 1),
+            (CacheAnswer::Height, 16, 2),
+            (CacheAnswer::Line, 8, 2),
+            (CacheAnswer::Line, 16, 1),
+        ] {
+            let mut bench = Bench::new(shape(answer, height_bits, latency), Some(0xbeef));
+            bench.sweep();
+            let mut state = 7u64;
+            let mut addresses = std::collections::VecDeque::new();
+            for _ in 0..20_000 {
+                state = state
+                    .wrapping_mul(6364136223846793005)
+                    .wrapping_add(1442695040888963407);
+                // Lines that collide, and among them a few that come often.
+                let line = if state >> 63 == 0 {
+                    state >> 40 & 0x33
+                } else {
+                    state >> 40 & 0xff
+                };
+                let address = match answer {
+                    CacheAnswer::Height => line << 4 | state >> 50 & 15,
+                    CacheAnswer::Line => line,
+                };
+                let outputs = bench.cycle(Some(address));
+                if outputs.answer_valid {
+                    let address: u64 = addresses.pop_front().unwrap();
+                    if outputs.hit && answer == CacheAnswer::Height {
+                        assert_eq!(outputs.heights[0], bench.height(address));
+                    } else if outputs.hit {
+                        let beats = bench.cache.shape.beats() as usize;
+                        let words = &bench.words[address as usize * beats..][..beats];
+                        assert_eq!(&outputs.heights[..beats], words);
+                    }
+                }
+                addresses.push_back(address);
+            }
+            assert!(bench.cache.hits() > 500 && bench.cache.fetches() > 1000);
+        }
+    }
+
+    #[test]
+    fn no_line_is_noted_twice_and_none_beyond_the_room() {
+        let mut bench = Bench::new(shape(CacheAnswer::Line, 8, 2), Some(3));
+        bench.sweep();
+        let mut most = 0;
+        for cycle in 0..5000u64 {
+            bench.cycle(Some(cycle * cycle * 7 % 251));
+            let cache = &bench.cache;
+            let mut noted: Vec<u64> = (cache.freed..cache.noted)
+                .map(|count| cache.noted_lines[cache.slot(count)])
+                .collect();
+            most = most.max(noted.len());
+            noted.sort_unstable();
+            let count = noted.len();
+            noted.dedup();
+            assert_eq!(noted.len(), count);
+        }
+        assert_eq!(most, 4);
+    }
+
+    #[test]
+    fn the_words_follow_the_declaration() {
+        for answer in [CacheAnswer::Line, CacheAnswer::Height] {
+            let cache = HeightCache::new(shape(answer, 16, 2));
+            let mut words = Vec::new();
+            cache.observe(&[0; 5], &mut words);
+            assert_eq!(cache.declaration().len(), 5 + words.len());
+        }
+    }
+}
