@@ -5,7 +5,7 @@ use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, de::IgnoredAny};
 use std::fmt;
 
-use super::{Effects, FrameSize, Light, MAX_FRAME_SIDE, Scene, SceneMap, Walk};
+use super::{Effects, FrameSize, Light, MAX_FRAME_SIDE, Machine, Scene, SceneMap, Walk};
 use crate::calibration;
 use crate::camera::{Camera, Surface};
 use crate::maps::{Channel, MapSource};
@@ -29,6 +29,7 @@ struct SceneFile {
     light: LightTable,
     frame: FrameTable,
     walk: Walk,
+    machine: Option<Machine>,
     #[serde(default)]
     effects: EffectsTable,
 }
@@ -109,6 +110,7 @@ impl SceneFile {
                 height: self.frame.height.0,
             },
             walk: self.walk,
+            machine: self.machine,
             effects: Effects {},
         }
     }

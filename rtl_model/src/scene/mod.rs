@@ -28,6 +28,12 @@
 //!     method = "oh"                        # the traversal
 //!     format = "e7f16"                     # eXfY | f64 | exact | fixed | qI.F
 //!     crossing = "index"                   # the default | offset:X, for comparison
+//!     [machine]                            # may be left out: then rays go round a bare loop
+//!     kind = "paper"                       # paper | exact: the whole clocked traverse unit
+//!     fifo = 16                            # entries of FIFO 0 before the loop and FIFO 1 behind it
+//!     counters = false                     # count trips, hits, misses and stalls in hardware
+//!     cache = { lines = 256, pending = 4 } # lines of 16 heights; lines on their way at most
+//!     memory = { latency = 20, bytes_per_cycle = 8, stalls = false }
 //!     [effects]                            # none so far; may be left out
 //!     "#,
 //!     std::path::Path::new("example.toml"),
@@ -39,6 +45,7 @@
 //! A key that is not known is an error: a scene never means less than it says.
 
 mod file;
+mod machine;
 mod method;
 mod walk;
 
@@ -50,6 +57,7 @@ use thiserror::Error;
 
 use crate::camera::{Camera, Surface, View};
 use crate::maps::{Channel, HeightMap, MapError, MapSource};
+pub use machine::{Machine, MachineCache, MachineKind, MachineMemory};
 pub use method::{Family, LinearSearch, Method};
 pub use walk::{BorderOffset, Crossing, Walk, WalkError, WalkFormat};
 
@@ -73,6 +81,8 @@ pub struct Scene {
     pub frame: FrameSize,
     /// How its rays are traversed.
     pub walk: Walk,
+    /// The clocked machine that walks them, if it is to be more than the bare loop of steps.
+    pub machine: Option<Machine>,
     /// What it calls for beyond the first hit.
     pub effects: Effects,
 }
