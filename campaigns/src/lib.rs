@@ -13,6 +13,7 @@
 pub mod cases;
 pub mod formal;
 pub mod formats;
+pub mod frame_table;
 pub mod frames;
 pub mod hardware;
 pub mod operands;

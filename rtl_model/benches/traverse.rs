@@ -16,7 +16,7 @@ use rtl_model::instruction_set::InstructionSet;
 use rtl_model::maps::Pyramid;
 use rtl_model::packet::PacketWalker;
 use rtl_model::ray::Ray;
-use rtl_model::readings::{E7F16, F64Reading, FloatReading, NumberFormat, enter};
+use rtl_model::readings::{E7F16, ExactReading, F64Reading, FloatReading, NumberFormat, enter};
 use rtl_model::units::search_policy::SearchPolicy;
 use rtl_model::units::traverse::{Hit, Status, walk};
 use std::hint::black_box;
@@ -25,6 +25,8 @@ use std::hint::black_box;
 const RUNS: usize = 9;
 /// Of the scalar readings one ray in so many is walked.
 const SAMPLE: usize = 16;
+/// Of the exact reading, whose plain rival takes a hundred times as long.
+const EXACT_SAMPLE: usize = 256;
 
 const UNWALKED: Hit<f64> = Hit {
     i: 0,
@@ -135,6 +137,22 @@ fn scene(name: &str, pyramid: &Pyramid, rays: &[Ray<f64>], is_main: bool) -> Vec
             in_f64 * scale,
             Target::Speed,
         );
+        let few: Vec<Ray<f64>> = rays.iter().copied().step_by(EXACT_SAMPLE).collect();
+        let [filtered, in_rationals] = quickest(
+            3,
+            [
+                &mut || golden_walks(ExactReading::default(), pyramid, &few),
+                &mut || golden_walks(ExactReading::plain(), pyramid, &few),
+            ],
+        );
+        let each = 1e9 / few.len() as f64;
+        print_row(
+            "the definition, exact",
+            filtered * each,
+            "the same, rationals throughout",
+            in_rationals * each,
+            Target::Speed,
+        );
     }
     met
 }
@@ -144,6 +162,7 @@ fn golden_walks<R: NumberFormat>(mut reading: R, pyramid: &Pyramid, rays: &[Ray<
     let steps: u64 = rays
         .iter()
         .map(|&ray| {
+            reading.forget();
             let ray = enter(&mut reading, ray);
             u64::from(walk(&mut reading, SearchPolicy::OH, pyramid, memory, ray).steps)
         })

@@ -24,6 +24,23 @@ pub struct ExactDepth {
 impl ExactDepth {
     /// Compares with a depth as a format holds it.
     pub fn compare_with(self, depth: f64) -> Ordering {
+        self.compare_with_usual(depth)
+            .unwrap_or_else(|| self.compare_with_any(depth))
+    }
+
+    /// The same for depths as they usually are: from `2^-74` to below `2^53`.
+    fn compare_with_usual(self, depth: f64) -> Option<Ordering> {
+        let exponent = i32::try_from(depth.to_bits() >> 52).ok()? - 1075;
+        if self.numerator < 0 || !(-127..=0).contains(&exponent) {
+            return None;
+        }
+        let significand = 1 << 52 | u128::from(depth.to_bits() & ((1 << 52) - 1));
+        let left = wide_product(self.numerator.unsigned_abs(), 1 << -exponent);
+        let right = wide_product(self.denominator.unsigned_abs(), significand);
+        Some(left.cmp(&right))
+    }
+
+    fn compare_with_any(self, depth: f64) -> Ordering {
         let depth = num_rational::BigRational::from_float(depth).expect("a finite depth");
         let left = BigInt::from(self.numerator) * depth.denom();
         let right = BigInt::from(self.denominator) * depth.numer();
@@ -258,6 +275,39 @@ mod tests {
 
     fn ray(u: f64, v: f64, du: f64, dv: f64) -> Ray<f64> {
         Ray { u, v, du, dv }
+    }
+
+    #[test]
+    fn depths_compare_the_same_by_both_ways() {
+        let (mut usual, mut order) = (0, [0; 3]);
+        for n in 1..2000_i128 {
+            let denominator = n * n * 0x1_0001 + 1;
+            let numerator = denominator / (n % 37 + 1);
+            let exact = ExactDepth {
+                numerator: numerator << (n % 60),
+                denominator: denominator << (n % 60),
+            };
+            let near = exact.to_f64();
+            for depth in [
+                near,
+                near.next_up(),
+                near.next_down(),
+                0.5,
+                1.0,
+                0.0,
+                -near,
+                1e-30,
+            ] {
+                let told = exact.compare_with(depth);
+                assert_eq!(told, exact.compare_with_any(depth), "{exact:?} {depth}");
+                usual += i32::from(exact.compare_with_usual(depth) == Some(told));
+                order[(told as i32 + 1) as usize] += 1;
+            }
+        }
+        assert!(
+            usual > 8000 && order.iter().all(|&count| count > 100),
+            "{usual} {order:?}"
+        );
     }
 
     #[test]

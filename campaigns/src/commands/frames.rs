@@ -4,8 +4,11 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use campaigns::frame_table::{
+    FRAMES_TABLE, STEPS_TABLE, frames_line, recorded_methods, steps_line,
+};
 use campaigns::frames::{FrameRow, FrameRun, Variant};
-use campaigns::record::{TableShape, grouped, record_lines};
+use campaigns::record::record_lines;
 use campaigns::tier::Tier;
 use clap::Args;
 use rtl_model::scene::{FrameSize, Method, WalkFormat};
@@ -48,39 +51,16 @@ pub struct Frames {
     record: Option<PathBuf>,
 }
 
-const COLUMNS: [&str; 15] = [
-    "method",
-    "format",
-    "map",
-    "screen",
-    "rays",
-    "refused",
-    "wrong",
-    "wrong, %",
-    "late",
-    "guards",
-    "earliest by",
-    "steps",
-    "tier",
-    "date",
-    "version",
-];
-
-/// The first four columns tell lines apart.
-const SHAPE: TableShape = TableShape {
-    campaign: "frames",
-    columns: &COLUMNS,
-    alignment: "---|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|---|---|---|",
-    key_columns: 4,
-};
-
 impl Frames {
     /// Runs it.
     pub fn run(self) -> anyhow::Result<bool> {
         let methods: Vec<Method> = match self.method.is_empty() {
-            true => Method::ALL.into_iter().filter(|m| m.is_safe()).collect(),
+            true => recorded_methods(),
             false => self.method.clone(),
         };
+        if self.record.is_some() && !self.method.is_empty() {
+            bail!("frames: a line of the record is of all methods: leave --method or --record out");
+        }
         let formats = match self.format.is_empty() {
             true => ["f64", "exact", "e7f16"]
                 .map(|name| name.parse().expect("a format"))
@@ -117,8 +97,8 @@ impl Frames {
             }
             if let Some(path) = &self.record {
                 let provenance = provenance(self.tier);
-                let lines = done.iter().map(|row| cells(row, &provenance)).collect();
-                record_lines(path, &SHAPE, lines)?;
+                record_lines(path, &FRAMES_TABLE, vec![frames_line(&done, &provenance)])?;
+                record_lines(path, &STEPS_TABLE, vec![steps_line(&done)])?;
             }
             rows.extend(done);
         }
@@ -158,26 +138,6 @@ impl Frames {
             _ => Ok(()),
         }
     }
-}
-
-fn cells(row: &FrameRow, provenance: &campaigns::record::Provenance) -> Vec<String> {
-    vec![
-        row.method.clone(),
-        row.format.clone(),
-        row.variant.clone(),
-        row.screen.clone(),
-        grouped(row.rays),
-        grouped(row.refused),
-        grouped(row.wrong),
-        format!("{:.4}", 100.0 * row.wrong as f64 / row.rays.max(1) as f64),
-        grouped(row.late),
-        grouped(row.guards),
-        format!("{:.1e}", row.most_early.max(0.0)),
-        format!("{:.2}", row.mean_steps),
-        provenance.tier.to_string(),
-        provenance.date.clone(),
-        provenance.version.clone(),
-    ]
 }
 
 fn parse_screen(text: &str) -> Result<FrameSize, String> {

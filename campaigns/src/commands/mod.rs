@@ -124,6 +124,15 @@ impl Run {
     /// Shows a row as soon as it is there, and puts it into the record: a campaign that is stopped
     /// keeps what it has found.
     fn finish(&self, row: &Row) -> anyhow::Result<()> {
+        self.show(row)?;
+        if let Some(path) = &self.record {
+            record(path, std::slice::from_ref(row), &provenance(self.tier))?;
+        }
+        Ok(())
+    }
+
+    /// Shows a row, where the result is not JSON.
+    fn show(&self, row: &Row) -> anyhow::Result<()> {
         if !self.json {
             let mut output = io::stdout().lock();
             let shown = writeln!(output, "{}", row.line()).and_then(|()| {
@@ -136,9 +145,6 @@ impl Run {
             {
                 return Err(problem).context("standard output: cannot be written");
             }
-        }
-        if let Some(path) = &self.record {
-            record(path, std::slice::from_ref(row), &provenance(self.tier))?;
         }
         Ok(())
     }

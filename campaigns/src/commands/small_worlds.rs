@@ -1,13 +1,14 @@
 //! `campaigns small-worlds`
 
 use anyhow::bail;
+use campaigns::record::record_lines;
 use campaigns::row::Row;
-use campaigns::small_worlds::{MapSet, MethodOutcome, RaySet, World};
+use campaigns::small_worlds::{FAMILY_TABLE, FamilyRow, MapSet, MethodOutcome, RaySet, World};
 use clap::Args;
 use rtl_model::float::FloatFormat;
 use rtl_model::scene::{Method, WalkFormat};
 
-use super::Run;
+use super::{Run, provenance};
 use crate::progress::bar;
 
 /// Options of the campaign.
@@ -15,7 +16,8 @@ use crate::progress::bar;
 #[command(
     after_help = "A difference is a ray that breaks what its format promises: exact and fixed point the very\n\
                   texel, floats never late and no guard, f64 no guard. The column `roundings` counts the rays\n\
-                  that hit another texel: early, and of f64 late ones.\n\n\
+                  that hit another texel: early, and of f64 late ones. A record has one line for each format and\n\
+                  world, summed over all methods; --json has every method.\n\n\
                   Example:\n  campaigns small-worlds --tier quick --method oh --format e5f4"
 )]
 pub struct SmallWorlds {
@@ -36,6 +38,11 @@ impl SmallWorlds {
     /// Runs it.
     pub fn run(self) -> anyhow::Result<bool> {
         let methods = self.methods();
+        if self.run.record.is_some() && !self.method.is_empty() {
+            bail!(
+                "small-worlds: a line of the record sums over all methods: leave --method or --record out"
+            );
+        }
         let mut rows = Vec::new();
         for (format, worlds) in self.subjects()? {
             for world in worlds {
@@ -50,8 +57,17 @@ impl SmallWorlds {
                     .filter(|outcome| outcome.unsupported.is_none())
                 {
                     let row = self.row(format, &world, outcome);
-                    self.run.finish(&row)?;
+                    self.run.show(&row)?;
                     rows.push(row);
+                }
+                if let Some(path) = &self.run.record {
+                    let provenance = provenance(self.run.tier);
+                    let families = FamilyRow::of(format, &world, &outcomes);
+                    let lines = families
+                        .iter()
+                        .map(|row| row.cells(self.seed, &provenance))
+                        .collect();
+                    record_lines(path, &FAMILY_TABLE, lines)?;
                 }
                 let unsupported = outcomes
                     .iter()

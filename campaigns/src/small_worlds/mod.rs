@@ -5,9 +5,11 @@
 //! made so that ties are the rule: eight heights whose depths are thirds and fifths, entries on
 //! borders, corners and between, slopes that cross borders at thirds and fifths of the depth.
 
+mod family;
 mod maps;
 mod rays;
 
+pub use family::{FAMILY_TABLE, FamilyRow};
 pub use maps::MapSet;
 pub use rays::RaySet;
 

@@ -1,13 +1,15 @@
 //! Intervals of two `f64` that hold a real number: what most comparisons are decided by.
 
-use std::cmp::Ordering;
+use super::small_ratio::power_of_two;
 
 /// An interval that holds a real number; both ends may be infinite, as bounds.
 ///
-/// Every operation rounds each end outwards by one unit in the last place, which is at least as far
-/// as the directed rounding of interval arithmetic (Moore 1966), and needs no rounding mode. What an
-/// `f64` operation gives exactly stays a single number, since products with zero, and differences
-/// of a border and a coordinate, are often exact.
+/// Every operation rounds each end outwards by at least one unit in the last place, which is at least
+/// as far as the directed rounding of interval arithmetic (Moore 1966), and needs no rounding mode.
+/// What an `f64` operation gives exactly stays a single number, since products with zero, and
+/// differences of a border and a coordinate, are often exact. The signs that a walk has (directions
+/// and depths are not negative) come first in products and quotients, which then have two corners
+/// to look at, not four.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Enclosure {
     low: f64,
@@ -21,7 +23,15 @@ impl Enclosure {
         high: f64::INFINITY,
     };
 
+    /// Of plus infinity itself. No finite number has it: the low end of one is finite or minus
+    /// infinity.
+    pub(super) const INFINITY: Enclosure = Enclosure {
+        low: f64::INFINITY,
+        high: f64::INFINITY,
+    };
+
     /// Of a number that is this `f64`, which is finite.
+    #[inline]
     pub(super) const fn single(value: f64) -> Enclosure {
         Enclosure {
             low: value,
@@ -29,39 +39,59 @@ impl Enclosure {
         }
     }
 
-    /// Of a number whose nearest `f64` is `value`, or next to it.
-    fn around(value: f64) -> Enclosure {
-        Enclosure::between(value, value)
-    }
-
     /// Of a number between two that are known up to a rounding to nearest.
+    ///
+    /// Rounded to nearest, `low` has at most its neighbour below above the true end, and
+    /// `outwards(low)` is at least the distance to that neighbour; so the difference is at most the
+    /// neighbour, and stays so when it is rounded, since the neighbour is an `f64` and rounding
+    /// keeps order. The same holds of `high`.
+    #[inline]
     fn between(low: f64, high: f64) -> Enclosure {
-        if low.is_nan() || high.is_nan() {
-            return Enclosure::ANY;
-        }
-        Enclosure {
-            low: low.next_down(),
-            high: high.next_up(),
+        let (low, high) = (low - outwards(low), high + outwards(high));
+        // Not so where an end is infinite or no number.
+        match low.is_finite() && high.is_finite() {
+            true => Enclosure { low, high },
+            false => Enclosure::ANY,
         }
     }
 
     /// The number, where the interval holds no other.
+    #[inline]
     pub(super) fn as_single(self) -> Option<f64> {
         (self.low == self.high).then_some(self.low)
     }
 
-    /// How this number compares with another; none where the intervals do not tell.
-    pub(super) fn compare(self, other: Enclosure) -> Option<Ordering> {
+    /// Is this number below another? None where the intervals do not tell. Plus infinity is below
+    /// nothing.
+    #[inline]
+    pub(super) fn less_than(self, other: Enclosure) -> Option<bool> {
         if self.high < other.low {
-            Some(Ordering::Less)
-        } else if self.low > other.high {
-            Some(Ordering::Greater)
+            Some(true)
+        } else if self.low >= other.high {
+            Some(false)
         } else {
-            (self.as_single()? == other.as_single()?).then_some(Ordering::Equal)
+            None
+        }
+    }
+
+    /// Is this number below zero? None where the interval does not tell.
+    #[inline]
+    pub(super) fn is_negative(self) -> Option<bool> {
+        self.less_than(Enclosure::single(0.0))
+    }
+
+    /// Is this number zero? None where the interval does not tell.
+    #[inline]
+    pub(super) fn is_zero(self) -> Option<bool> {
+        if self.low > 0.0 || self.high < 0.0 {
+            Some(false)
+        } else {
+            (self.low == self.high).then_some(true)
         }
     }
 
     /// Of the sum.
+    #[inline]
     pub(super) fn plus(self, other: Enclosure) -> Enclosure {
         if let (Some(a), Some(b)) = (self.as_single(), other.as_single()) {
             let sum = a + b;
@@ -70,13 +100,14 @@ impl Enclosure {
             let error = (a - (sum - b_in_sum)) + (b - b_in_sum);
             return match error == 0.0 {
                 true => Enclosure::single(sum),
-                false => Enclosure::around(sum),
+                false => Enclosure::between(sum, sum),
             };
         }
         Enclosure::between(self.low + other.low, self.high + other.high)
     }
 
     /// Of the number with the other sign.
+    #[inline]
     pub(super) fn negated(self) -> Enclosure {
         Enclosure {
             low: -self.high,
@@ -85,6 +116,7 @@ impl Enclosure {
     }
 
     /// Of the magnitude.
+    #[inline]
     pub(super) fn magnitude(self) -> Enclosure {
         if self.low >= 0.0 {
             self
@@ -99,7 +131,15 @@ impl Enclosure {
     }
 
     /// Of the product.
+    #[inline]
     pub(super) fn times(self, other: Enclosure) -> Enclosure {
+        if self.low > 0.0 && other.low > 0.0 {
+            return Enclosure::between(self.low * other.low, self.high * other.high);
+        }
+        self.times_any(other)
+    }
+
+    fn times_any(self, other: Enclosure) -> Enclosure {
         if self.as_single() == Some(0.0) || other.as_single() == Some(0.0) {
             return Enclosure::single(0.0);
         }
@@ -113,7 +153,19 @@ impl Enclosure {
     }
 
     /// Of the quotient by a number that is not zero.
+    #[inline]
     pub(super) fn over(self, other: Enclosure) -> Enclosure {
+        if self.low > 0.0 && other.low > 0.0 {
+            if self.low == self.high && other.low == other.high {
+                let quotient = self.low / other.low;
+                return Enclosure::between(quotient, quotient);
+            }
+            return Enclosure::between(self.low / other.high, self.high / other.low);
+        }
+        self.over_any(other)
+    }
+
+    fn over_any(self, other: Enclosure) -> Enclosure {
         if self.as_single() == Some(0.0) {
             return Enclosure::single(0.0);
         }
@@ -130,11 +182,12 @@ impl Enclosure {
     }
 
     /// Of a number times a power of two.
+    #[inline]
     pub(super) fn scaled(self, exponent: i32) -> Enclosure {
-        let power = 2_f64.powi(exponent);
-        let is_safe = |value: f64| value == 0.0 || (value * power).is_normal();
-        if power.is_normal() && is_safe(self.low) && is_safe(self.high) {
+        let is_safe = |value: f64| value == 0.0 || (2e-150..2e150).contains(&value.abs());
+        if (-500..=500).contains(&exponent) && is_safe(self.low) && is_safe(self.high) {
             // Exact: neither overflow nor underflow.
+            let power = power_of_two(exponent);
             return Enclosure {
                 low: self.low * power,
                 high: self.high * power,
@@ -158,6 +211,14 @@ impl Enclosure {
         let high = corners.into_iter().fold(f64::NEG_INFINITY, f64::max);
         Enclosure::between(low, high)
     }
+}
+
+/// At least the distance from an `f64` to the next: that is `2^-52` of its power of two, at most
+/// `2^-52` of itself, but `2^-1074` for the smallest, which are flushed or rounded in the product.
+/// Both additions and the product round, and keep order, so that no result is below these.
+#[inline]
+fn outwards(value: f64) -> f64 {
+    value.abs() * f64::EPSILON + f64::from_bits(1)
 }
 
 #[cfg(test)]
@@ -214,11 +275,54 @@ mod tests {
                 if let Some(floor) = left.floor() {
                     prop_assert_eq!(exactly(floor), x.floor());
                 }
-                if let Some(order) = left.compare(right) {
-                    prop_assert_eq!(order, x.cmp(&y));
-                }
+                prop_assert!(left.less_than(right).is_none_or(|is_less| is_less == (x < y)));
+                prop_assert!(left.is_negative().is_none_or(|is_negative| is_negative == (a < 0.0)));
+                prop_assert!(left.is_zero().is_none_or(|is_zero| is_zero == (a == 0.0)));
             }
         }
+    }
+
+    #[test]
+    fn ends_move_outwards_by_a_unit_or_more() {
+        let ends = [
+            1.0,
+            1.5,
+            2.0_f64.next_down(),
+            1e-300,
+            1e-308,
+            5e-324,
+            0.0,
+            1e300,
+            f64::MAX,
+        ];
+        for end in ends.into_iter().flat_map(|end| [end, -end]) {
+            let Enclosure { low, high } = Enclosure::between(end, end);
+            assert!(low <= end.next_down() && high >= end.next_up(), "{end}");
+            assert!(
+                low >= end - end.abs() * 1e-15 - 1e-322 || end.abs() == f64::MAX,
+                "{end}"
+            );
+        }
+        for end in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+            assert_eq!(Enclosure::between(end, 1.0), Enclosure::ANY);
+            assert_eq!(Enclosure::between(1.0, end), Enclosure::ANY);
+        }
+    }
+
+    #[test]
+    fn infinity_is_above_every_number() {
+        let infinity = Enclosure::INFINITY;
+        for value in [Enclosure::single(f64::MAX), Enclosure::single(-1.0)] {
+            assert_eq!(value.less_than(infinity), Some(true));
+            assert_eq!(infinity.less_than(value), Some(false));
+        }
+        assert_eq!(infinity.less_than(infinity), Some(false));
+        assert_eq!(
+            (infinity.is_zero(), infinity.is_negative()),
+            (Some(false), Some(false))
+        );
+        // The interval alone does not tell a number of any size from it.
+        assert_eq!(Enclosure::ANY.less_than(infinity), None);
     }
 
     #[test]

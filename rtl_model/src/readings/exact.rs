@@ -1,66 +1,92 @@
-//! The exact reading: numbers are rationals, worked out only where an answer hangs on them.
+//! The exact reading: numbers are exact, worked out only where an answer hangs on them.
 
 use std::cmp::Ordering;
-use std::sync::OnceLock;
+use std::sync::Arc;
 
 use super::NumberFormat;
 use super::enclosure::Enclosure;
 use super::integer::plain_integers_and_bits;
+use super::rationals::Rationals;
+use super::small_ratio::SmallRatio;
 use crate::arith::Arith;
 use crate::float::Rounding;
-use num_bigint::BigInt;
 use num_rational::BigRational;
-use num_traits::{Signed, ToPrimitive, Zero};
+use num_traits::{ToPrimitive, Zero};
 
-/// A number of the exact reading: its place in the reading's store.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ExactNum(usize);
+/// A number of the exact reading: two `f64` it lies between, and its place in the reading's store.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExactNum {
+    enclosure: Enclosure,
+    place: u32,
+}
 
-/// Numbers are rationals of big integers, or infinite. Nothing is ever rounded.
+/// Numbers are rationals, or infinite. Nothing is ever rounded.
 ///
 /// Each number is kept as the operation that made it, with two `f64` it lies between. A comparison
-/// is decided by those wherever they tell; only where they do not are both numbers worked out in
-/// rationals. That changes no answer: it is a filter before exact arithmetic, as in computational
-/// geometry (Fortune and Van Wyk 1993; the lazy exact numbers of CGAL are of this kind).
+/// is decided in three stages, each exact where it answers, and each asked only where the one before
+/// does not tell:
+///
+/// 1. by the enclosures: that numbers lie in intervals that do not overlap settles their order;
+/// 2. by ratios of 128-bit integers, with every overflow looked for ([`SmallRatio`]): ties, which
+///    are common at borders and corners, and at depths that are reached and met again;
+/// 3. by rationals of big integers, which hold everything.
+///
+/// So no answer depends on the stage that gave it: it is a filter before exact arithmetic, as in
+/// computational geometry (Fortune and Van Wyk 1993; the lazy exact numbers of CGAL are of this kind).
 ///
 /// The store grows with every operation; [`NumberFormat::forget`] empties it between rays.
 #[derive(Clone, Debug, Default)]
 pub struct ExactReading {
-    store: Vec<Number>,
+    /// What made each number.
+    store: Vec<Origin>,
+    /// The rationals that had to be worked out, by their places.
+    rationals: Rationals,
     /// Works every number out at once, as if there were no filter.
     is_plain: bool,
 }
 
-/// A number as it was made.
-#[derive(Clone, Debug)]
-struct Number {
-    enclosure: Enclosure,
-    origin: Origin,
-    /// Its value, once it has been worked out; `None` is plus infinity.
-    value: OnceLock<Box<Option<BigRational>>>,
-}
-
-/// What made a number.
+/// What made a number. Operands are places in the store.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Origin {
-    /// The outside world, as a rational: its value is there from the start.
+pub(super) enum Origin {
+    /// The outside world, as a rational: it is there from the start.
     Given,
     /// An `f64`, which is finite.
     Float(f64),
-    /// Plus infinity: what a division by zero gives.
-    Infinity,
-    /// A ratio of two integers.
-    Ratio(i64, i64),
+    /// The depth of a height of so many bits.
+    Depth {
+        height: i64,
+        bits: u32,
+    },
     /// An integer times a power of two.
-    Integer(i64, i64),
-    Sum(ExactNum, ExactNum),
-    Difference(ExactNum, ExactNum),
-    Product(ExactNum, ExactNum),
+    Integer(i64, i32),
+    Sum(u32, u32),
+    Difference(u32, u32),
+    Product(u32, u32),
     /// The divisor is not zero.
-    Quotient(ExactNum, ExactNum),
-    Negated(ExactNum),
-    Magnitude(ExactNum),
-    Scaled(ExactNum, i32),
+    Quotient(u32, u32),
+    Negated(u32),
+    Magnitude(u32),
+    Scaled(u32, i32),
+}
+
+/// Operations on the longest way from a number to what it is made of, beyond which it is left to
+/// rationals. Numbers of a walk have eight at most; a number that is made of one other twice, over
+/// and over, would else take a time that grows twofold with each.
+const MOST_OPERATIONS_DEEP: u32 = 12;
+
+/// Where infinity stands, which is what a division by zero gives. It is in no store.
+const INFINITE_PLACE: u32 = u32::MAX;
+
+const INFINITY: ExactNum = ExactNum {
+    enclosure: Enclosure::INFINITY,
+    place: INFINITE_PLACE,
+};
+
+impl ExactNum {
+    #[inline]
+    fn is_infinite(self) -> bool {
+        self.place == INFINITE_PLACE
+    }
 }
 
 impl ExactReading {
@@ -74,139 +100,122 @@ impl ExactReading {
     }
 
     /// The value behind a number, not always in lowest terms; `None` is infinite.
-    pub fn value(&self, number: ExactNum) -> Option<&BigRational> {
-        let number = &self.store[number.0];
-        let value = number.value.get_or_init(|| Box::new(self.work_out(number)));
-        (**value).as_ref()
+    pub fn value(&self, number: ExactNum) -> Option<BigRational> {
+        (!number.is_infinite()).then(|| self.rational(number).as_ref().clone())
     }
 
     /// Keeps a value.
     pub fn number(&mut self, value: BigRational) -> ExactNum {
-        self.store.push(Number {
-            enclosure: Enclosure::ANY,
-            origin: Origin::Given,
-            value: OnceLock::from(Box::new(Some(value))),
-        });
-        ExactNum(self.store.len() - 1)
-    }
-
-    fn keep(&mut self, enclosure: Enclosure, origin: Origin) -> ExactNum {
-        let number = ExactNum(self.store.len());
-        self.store.push(Number {
-            enclosure: if self.is_plain {
-                Enclosure::ANY
-            } else {
-                enclosure
-            },
-            origin,
-            value: OnceLock::new(),
-        });
-        if self.is_plain {
-            self.value(number);
-        }
+        let number = self.made(Enclosure::ANY, Origin::Given);
+        self.rationals.put(number.place, Arc::new(value));
         number
     }
 
-    /// The value of a number, from those it was made of.
-    fn work_out(&self, number: &Number) -> Option<BigRational> {
-        // Infinities occur only as exits that are never reached, and those are compared and change
-        // sign; they are not computed with.
-        let of = |number: ExactNum| match self.value(number) {
-            Some(value) => value,
-            None => unreachable!("a datapath computes with an exit that is never reached"),
-        };
-        Some(match number.origin {
-            Origin::Given => unreachable!("a number that is given has its value"),
-            Origin::Infinity => return None,
-            Origin::Float(value) => {
-                BigRational::from_float(value).expect("rays are checked to be finite")
-            }
-            Origin::Ratio(above, below) => BigRational::new(above.into(), below.into()),
-            Origin::Integer(value, exponent) => {
-                BigRational::from(BigInt::from(value)) * power_of_two(exponent)
-            }
-            Origin::Sum(a, b) => sum(of(a), of(b)),
-            Origin::Difference(a, b) => sum(of(a), &-of(b)),
-            Origin::Product(a, b) => product(of(a), of(b)),
-            Origin::Quotient(a, b) => quotient(of(a), of(b)),
-            Origin::Negated(a) => -of(a),
-            Origin::Magnitude(a) => of(a).abs(),
-            Origin::Scaled(a, exponent) => product(of(a), &power_of_two(exponent.into())),
-        })
-    }
-
-    fn enclosure(&self, number: ExactNum) -> Enclosure {
-        self.store[number.0].enclosure
-    }
-
-    fn is_infinite(&self, number: ExactNum) -> bool {
-        self.store[number.0].origin == Origin::Infinity
-    }
-
-    /// How two finite numbers compare.
-    fn compare(&self, a: ExactNum, b: ExactNum) -> Ordering {
-        let (left, right) = (&self.store[a.0], &self.store[b.0]);
-        if let Some(order) = left.enclosure.compare(right.enclosure) {
-            return order;
+    #[inline]
+    fn keep(&mut self, enclosure: Enclosure, origin: Origin) -> ExactNum {
+        match self.is_plain {
+            true => self.work_out_at_once(origin),
+            false => self.made(enclosure, origin),
         }
+    }
+
+    #[inline]
+    fn made(&mut self, enclosure: Enclosure, origin: Origin) -> ExactNum {
+        let place = self.store.len() as u32;
+        assert!(place < INFINITE_PLACE, "a walk ends at its step bound");
+        self.store.push(origin);
+        ExactNum { enclosure, place }
+    }
+
+    #[cold]
+    fn work_out_at_once(&mut self, origin: Origin) -> ExactNum {
+        let number = self.made(Enclosure::ANY, origin);
+        self.rationals.work_out(&self.store, number.place);
+        number
+    }
+
+    /// The rational of a number, to read: worked out, but not kept, where it is not there.
+    fn rational(&self, number: ExactNum) -> Arc<BigRational> {
+        match self.rationals.at(number.place) {
+            Some(known) => known.clone(),
+            None => self.rationals.clone().work_out(&self.store, number.place),
+        }
+    }
+
+    /// The number at a place as a ratio of small integers, if it is one that was made by few
+    /// operations.
+    fn small(&self, place: u32, operations: u32) -> Option<SmallRatio> {
+        let below = operations.checked_sub(1)?;
+        let of = |place| self.small(place, below);
+        match self.store[place as usize] {
+            Origin::Given => None,
+            Origin::Float(value) => SmallRatio::float(value),
+            Origin::Depth { height, bits } => {
+                let full = (1_i64 << bits) - 1;
+                SmallRatio::new((full - height).into(), full.into(), 0)
+            }
+            Origin::Integer(value, exponent) => SmallRatio::new(value.into(), 1, exponent),
+            Origin::Sum(a, b) => of(a)?.plus(of(b)?),
+            Origin::Difference(a, b) => of(a)?.plus(of(b)?.negated()?),
+            Origin::Product(a, b) => of(a)?.times(of(b)?),
+            Origin::Quotient(a, b) => of(a)?.over(of(b)?),
+            Origin::Negated(a) => of(a)?.negated(),
+            Origin::Magnitude(a) => of(a)?.magnitude(),
+            Origin::Scaled(a, exponent) => of(a)?.scaled(exponent),
+        }
+    }
+
+    /// A number as a ratio of small integers, where it is one; the plain reading has none.
+    fn as_small(&self, number: ExactNum) -> Option<SmallRatio> {
+        match self.is_plain {
+            true => None,
+            false => self.small(number.place, MOST_OPERATIONS_DEEP),
+        }
+    }
+
+    /// Is a number below another? For where the enclosures do not tell.
+    #[inline(never)]
+    fn is_less_exactly(&mut self, a: ExactNum, b: ExactNum) -> bool {
+        match (a.is_infinite(), b.is_infinite()) {
+            (true, _) => false,
+            (false, true) => true,
+            (false, false) => self.compare_exactly(a.place, b.place).is_lt(),
+        }
+    }
+
+    fn compare_exactly(&mut self, a: u32, b: u32) -> Ordering {
         // A node's depth is often the very depth that the walk has reached: made twice, the same.
-        if left.origin == right.origin && left.origin != Origin::Given {
+        let (left, right) = (self.store[a as usize], self.store[b as usize]);
+        if a == b || left == right && left != Origin::Given {
             return Ordering::Equal;
         }
-        self.value(a).cmp(&self.value(b))
-    }
-
-    /// How a finite number compares with zero.
-    fn sign(&self, a: ExactNum) -> Ordering {
-        if let Some(order) = self.enclosure(a).compare(Enclosure::single(0.0)) {
-            return order;
+        if !self.is_plain {
+            let small = |place| self.small(place, MOST_OPERATIONS_DEEP);
+            let order = small(a).zip(small(b)).and_then(|(a, b)| a.compare(b));
+            if let Some(order) = order {
+                return order;
+            }
         }
-        let value = self.value(a).expect("a finite number");
-        value.cmp(&BigRational::zero())
+        let mut rational = |place| self.rationals.work_out(&self.store, place);
+        rational(a).cmp(&rational(b))
     }
 
+    /// How a finite number compares with zero, for where its enclosure does not tell.
+    #[inline(never)]
+    fn sign_exactly(&mut self, a: ExactNum) -> Ordering {
+        match self.as_small(a) {
+            Some(ratio) => ratio.sign(),
+            None => {
+                let value = self.rationals.work_out(&self.store, a.place);
+                value.as_ref().cmp(&BigRational::zero())
+            }
+        }
+    }
+
+    #[inline]
     fn exactly(&mut self, value: f64) -> ExactNum {
         assert!(value.is_finite(), "rays are checked to be finite");
         self.keep(Enclosure::single(value), Origin::Float(value))
-    }
-}
-
-/// Denominators up to so many bits are left as they come. To reduce a ratio takes longer than all
-/// that is done with it: most are compared or rounded once.
-const REDUCED_BEYOND_BITS: u64 = 512;
-
-/// A ratio whose denominator is positive, reduced where it has grown long.
-fn ratio(above: BigInt, below: BigInt) -> BigRational {
-    debug_assert!(below.is_positive());
-    let ratio = BigRational::new_raw(above, below);
-    match ratio.denom().bits() > REDUCED_BEYOND_BITS {
-        true => ratio.reduced(),
-        false => ratio,
-    }
-}
-
-fn sum(a: &BigRational, b: &BigRational) -> BigRational {
-    let above = a.numer() * b.denom() + b.numer() * a.denom();
-    ratio(above, a.denom() * b.denom())
-}
-
-fn product(a: &BigRational, b: &BigRational) -> BigRational {
-    ratio(a.numer() * b.numer(), a.denom() * b.denom())
-}
-
-fn quotient(a: &BigRational, b: &BigRational) -> BigRational {
-    let (above, below) = (a.numer() * b.denom(), a.denom() * b.numer());
-    match below.is_negative() {
-        true => ratio(-above, -below),
-        false => ratio(above, below),
-    }
-}
-
-fn power_of_two(exponent: i64) -> BigRational {
-    let power = BigInt::from(1) << exponent.unsigned_abs();
-    match exponent < 0 {
-        true => BigRational::new(1.into(), power),
-        false => BigRational::from(power),
     }
 }
 
@@ -214,94 +223,110 @@ impl Arith for ExactReading {
     type Num = ExactNum;
     plain_integers_and_bits!();
 
+    #[inline]
     fn zero(&mut self) -> ExactNum {
         self.exactly(0.0)
     }
+    #[inline]
     fn add(&mut self, _: Rounding, a: ExactNum, b: ExactNum) -> ExactNum {
-        let sum = self.enclosure(a).plus(self.enclosure(b));
-        self.keep(sum, Origin::Sum(a, b))
+        let sum = a.enclosure.plus(b.enclosure);
+        self.keep(sum, Origin::Sum(a.place, b.place))
     }
+    #[inline]
     fn sub(&mut self, _: Rounding, a: ExactNum, b: ExactNum) -> ExactNum {
-        let difference = self.enclosure(a).plus(self.enclosure(b).negated());
-        self.keep(difference, Origin::Difference(a, b))
+        let difference = a.enclosure.plus(b.enclosure.negated());
+        self.keep(difference, Origin::Difference(a.place, b.place))
     }
+    #[inline]
     fn mul(&mut self, _: Rounding, a: ExactNum, b: ExactNum) -> ExactNum {
-        let product = self.enclosure(a).times(self.enclosure(b));
-        self.keep(product, Origin::Product(a, b))
+        let product = a.enclosure.times(b.enclosure);
+        self.keep(product, Origin::Product(a.place, b.place))
     }
+    #[inline]
     fn div(&mut self, _: Rounding, a: ExactNum, b: ExactNum) -> ExactNum {
-        if self.sign(b) == Ordering::Equal {
-            return self.keep(Enclosure::ANY, Origin::Infinity);
+        if self.is_zero(b) {
+            return INFINITY;
         }
-        let quotient = self.enclosure(a).over(self.enclosure(b));
-        self.keep(quotient, Origin::Quotient(a, b))
+        let quotient = a.enclosure.over(b.enclosure);
+        self.keep(quotient, Origin::Quotient(a.place, b.place))
     }
+    #[inline]
     fn ulps_up(&mut self, a: ExactNum, _: u32) -> ExactNum {
         a
     }
+    #[inline]
     fn exact_below(&mut self, _: ExactNum) -> ExactNum {
-        self.keep(Enclosure::ANY, Origin::Infinity)
+        INFINITY
     }
+    #[inline]
     fn negate_if(&mut self, condition: bool, a: ExactNum) -> ExactNum {
-        if !condition || self.is_infinite(a) {
+        if !condition || a.is_infinite() {
             return a;
         }
-        let negated = self.enclosure(a).negated();
-        self.keep(negated, Origin::Negated(a))
+        self.keep(a.enclosure.negated(), Origin::Negated(a.place))
     }
+    #[inline]
     fn magnitude(&mut self, a: ExactNum) -> ExactNum {
-        if self.is_infinite(a) {
+        if a.is_infinite() {
             return a;
         }
-        let magnitude = self.enclosure(a).magnitude();
-        self.keep(magnitude, Origin::Magnitude(a))
+        self.keep(a.enclosure.magnitude(), Origin::Magnitude(a.place))
     }
+    #[inline]
     fn is_negative(&mut self, a: ExactNum) -> bool {
-        !self.is_infinite(a) && self.sign(a) == Ordering::Less
+        let told = a.enclosure.is_negative();
+        told.unwrap_or_else(|| self.sign_exactly(a).is_lt())
     }
+    #[inline]
     fn is_zero(&mut self, a: ExactNum) -> bool {
-        !self.is_infinite(a) && self.sign(a) == Ordering::Equal
+        let told = a.enclosure.is_zero();
+        told.unwrap_or_else(|| self.sign_exactly(a).is_eq())
     }
+    #[inline]
     fn less_than(&mut self, a: ExactNum, b: ExactNum) -> bool {
-        match (self.is_infinite(a), self.is_infinite(b)) {
-            (true, _) => false,
-            (false, true) => true,
-            (false, false) => a != b && self.compare(a, b) == Ordering::Less,
-        }
+        let told = a.enclosure.less_than(b.enclosure);
+        told.unwrap_or_else(|| self.is_less_exactly(a, b))
     }
+    #[inline]
     fn less_equal(&mut self, a: ExactNum, b: ExactNum) -> bool {
         !self.less_than(b, a)
     }
+    #[inline]
     fn select(&mut self, condition: bool, when_one: ExactNum, when_zero: ExactNum) -> ExactNum {
         if condition { when_one } else { when_zero }
     }
+    #[inline]
     fn number_from_integer(&mut self, _: Rounding, value: i64, exponent: i64) -> ExactNum {
-        // Integers of a walk, and its exponents, are small: the enclosure is then a single number.
-        let enclosure = match i32::try_from(exponent) {
-            Ok(exponent) if value.unsigned_abs() < 1 << 53 => {
-                Enclosure::single(value as f64).scaled(exponent)
-            }
-            _ => Enclosure::ANY,
+        let exponent = i32::try_from(exponent).expect("exponents are sizes of nodes");
+        // Integers of a walk are small: the enclosure is then a single number.
+        let enclosure = match value.unsigned_abs() < 1 << 53 {
+            true => Enclosure::single(value as f64).scaled(exponent),
+            false => Enclosure::ANY,
         };
         self.keep(enclosure, Origin::Integer(value, exponent))
     }
+    #[inline]
     fn scale(&mut self, a: ExactNum, exponent: i32) -> ExactNum {
-        if self.is_infinite(a) {
+        if a.is_infinite() {
             return a;
         }
-        let scaled = self.enclosure(a).scaled(exponent);
-        self.keep(scaled, Origin::Scaled(a, exponent))
+        let scaled = a.enclosure.scaled(exponent);
+        self.keep(scaled, Origin::Scaled(a.place, exponent))
     }
     fn floor(&mut self, a: ExactNum, bits: u32) -> i64 {
         let most = (1_i64 << (bits - 1)) - 1;
-        if self.is_infinite(a) {
+        if a.is_infinite() {
             return most;
         }
-        if let Some(floor) = self.enclosure(a).floor() {
+        if let Some(floor) = a.enclosure.floor() {
             // The conversion saturates.
             return (floor as i64).clamp(-1 - most, most);
         }
-        let value = self.value(a).expect("a finite number");
+        if let Some(floor) = self.as_small(a).and_then(SmallRatio::floor) {
+            let within = floor.clamp((-1 - most).into(), most.into());
+            return within as i64;
+        }
+        let value = self.rational(a);
         value
             .floor()
             .to_integer()
@@ -309,6 +334,7 @@ impl Arith for ExactReading {
             .to_i64()
             .expect("within the range")
     }
+    #[inline]
     fn depth_from_height(&mut self, height: i64, bits: u32) -> ExactNum {
         let full = (1_i64 << bits) - 1;
         let depth = Enclosure::single((full - height) as f64);
@@ -316,7 +342,7 @@ impl Arith for ExactReading {
             0 => Enclosure::single(1.0),
             _ => depth.over(Enclosure::single(full as f64)),
         };
-        self.keep(depth, Origin::Ratio(full - height, full))
+        self.keep(depth, Origin::Depth { height, bits })
     }
 }
 
@@ -328,17 +354,19 @@ impl NumberFormat for ExactReading {
         self.exactly(value)
     }
     fn to_f64(&self, value: ExactNum) -> f64 {
-        if let Some(single) = self.enclosure(value).as_single() {
+        if let Some(single) = value.enclosure.as_single() {
             // A rational has one zero.
             return single + 0.0;
         }
-        match self.value(value) {
-            Some(value) => value.to_f64().unwrap_or(f64::NAN),
-            None => f64::INFINITY,
+        if let Some(nearest) = self.as_small(value).and_then(SmallRatio::to_f64) {
+            return nearest;
         }
+        let value = self.rational(value);
+        value.to_f64().unwrap_or(f64::NAN)
     }
     fn forget(&mut self) {
         self.store.clear();
+        self.rationals.clear();
     }
 }
 
@@ -365,7 +393,7 @@ mod tests {
                 reading.is_zero(a),
                 reading.is_negative(b)
             ));
-            let is_finite = !reading.is_infinite(a) && !reading.is_infinite(b);
+            let is_finite = !a.is_infinite() && !b.is_infinite();
             let result = match operation % 10 {
                 0 if is_finite => reading.add(ROUNDING, a, b),
                 1 | 2 if is_finite => reading.sub(ROUNDING, a, b),

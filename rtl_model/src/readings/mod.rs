@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | [`FloatReading`] | the bits of an `eXfY` float | the golden values, bit for bit |
 //! | [`F64Reading`] | an `f64` | the picture everyone compares with |
-//! | [`ExactReading`] | a rational of big integers | the truth, for hard cases |
+//! | [`ExactReading`] | an exact rational | the truth, for hard cases |
 //! | [`IntervalReading`] | a range of `f64` | the ranges that size the fixed-point formats |
 //!
 //! The netlist reading, in which a number is a wire, lives in the crate that emits Verilog.
@@ -16,6 +16,8 @@ mod float;
 mod integer;
 mod interval;
 mod native;
+mod rationals;
+mod small_ratio;
 mod traced;
 
 pub use exact::{ExactNum, ExactReading};
