@@ -25,7 +25,7 @@ use std::hint::black_box;
 const RUNS: usize = 9;
 /// Of the scalar readings one ray in so many is walked.
 const SAMPLE: usize = 16;
-/// Of the exact reading, whose plain rival takes a hundred times as long.
+/// Of the exact reading, whose plain rival takes long.
 const EXACT_SAMPLE: usize = 256;
 
 const UNWALKED: Hit<f64> = Hit {

@@ -139,11 +139,11 @@ mod tests {
             });
             FamilyRow::of(format, &world, &outcomes.unwrap())
         };
-        let [row] = rows(0.0).try_into().unwrap();
+        let [row]: [FamilyRow; 1] = rows(0.0).try_into().unwrap();
         let walks = row.verdict.rays / 3;
         assert_eq!((row.methods, row.broken, row.verdict.late), (3, 0, 0));
         assert!(walks > 0 && row.verdict.right == 3 * walks, "{row:?}");
-        let [broken] = rows(2.0).try_into().unwrap();
+        let [broken]: [FamilyRow; 1] = rows(2.0).try_into().unwrap();
         assert_eq!((broken.broken, broken.verdict.late), (walks, walks));
         let provenance = Provenance {
             tier: Tier::Quick,

@@ -27,7 +27,7 @@ pub struct ExactNum {
 /// does not tell:
 ///
 /// 1. by the enclosures: that numbers lie in intervals that do not overlap settles their order;
-/// 2. by ratios of 128-bit integers, with every overflow looked for ([`SmallRatio`]): ties, which
+/// 2. by ratios of 128-bit integers, with every overflow looked for (`small_ratio`): ties, which
 ///    are common at borders and corners, and at depths that are reached and met again;
 /// 3. by rationals of big integers, which hold everything.
 ///
