@@ -57,6 +57,15 @@ fn module_digest(module: &Arc<Module>, known: &mut Known) -> [u8; 32] {
         hash.text(name);
         hash.number(u64::from(wire.0));
     }
+    // A module without memories keeps the digest it had before there were any.
+    for memory in &module.memories {
+        hash.text(&memory.name);
+        hash.number(u64::from(memory.words));
+        hash.number(u64::from(memory.width));
+        for wire in memory.write.iter().flat_map(|write| write.operands()) {
+            hash.number(u64::from(wire.0));
+        }
+    }
     hash.number(module.instances.len() as u64);
     for instance in &module.instances {
         hash.text(&instance.name);
@@ -112,6 +121,7 @@ impl Canonical {
             Operation::AllBits(_) => ("all_bits", [None, None]),
             // Whether there is an enable follows from the number of operands.
             Operation::Register { reset, .. } => ("register", [*reset, None]),
+            Operation::MemoryRead { memory, .. } => ("read", [Some(u64::from(memory.0)), None]),
             Operation::InstanceOutput { instance, output } => {
                 ("output", [Some(*instance as u64), Some(*output as u64)])
             }

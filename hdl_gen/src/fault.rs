@@ -188,6 +188,9 @@ fn with_fault(module: &Module, target: Target, bit: u32, path: &str) -> Module {
             _ => seen(*driver),
         };
     }
+    for write in faulty.memories.iter_mut().flat_map(|m| &mut m.write) {
+        *write = write.map_operands(seen);
+    }
     for instance in &mut faulty.instances {
         instance
             .inputs

@@ -120,6 +120,11 @@ impl Plan<'_> {
             Operation::AnyBit(a) => Expression::Unary("|", Box::new(self.operand(*a))),
             Operation::AllBits(a) => Expression::Unary("&", Box::new(self.operand(*a))),
             Operation::Constant(value) => Expression::Atom(literal(*value, node.width)),
+            Operation::MemoryRead { memory, address } => {
+                let address = self.operand(*address).flat();
+                let name = &self.module.memory(*memory).name;
+                Expression::Atom(format!("{name}[{address}]"))
+            }
             Operation::Input | Operation::Register { .. } | Operation::InstanceOutput { .. } => {
                 Expression::Atom(node.name.clone().unwrap_or_default())
             }

@@ -79,9 +79,10 @@ fn evaluated(module: &Module, node: &Node, of: &impl Fn(Wire) -> Option<u64>) ->
         Operation::SignExtend(a) => sign_extended(of(*a)?, module.width(*a)),
         Operation::AnyBit(a) => u64::from(of(*a)? != 0),
         Operation::AllBits(a) => u64::from(of(*a)? == low_bits(module.width(*a))),
-        Operation::Input | Operation::Register { .. } | Operation::InstanceOutput { .. } => {
-            return None;
-        }
+        Operation::Input
+        | Operation::Register { .. }
+        | Operation::MemoryRead { .. }
+        | Operation::InstanceOutput { .. } => return None,
     };
     Some(value & low_bits(node.width))
 }

@@ -14,10 +14,12 @@ pub(super) fn taken_names(module: &Module) -> HashSet<String> {
     let outputs = module.outputs.iter().map(|(name, _)| name);
     let instances = module.instances.iter().map(|instance| &instance.name);
     let constants = module.localparams.iter().map(|constant| &constant.name);
+    let memories = module.memories.iter().map(|memory| &memory.name);
     let mut taken: HashSet<String> = nodes
         .chain(outputs)
         .chain(instances)
         .chain(constants)
+        .chain(memories)
         .cloned()
         .collect();
     taken.extend(["clk_i".to_owned(), "rst_ni".to_owned(), module.name.clone()]);
@@ -102,6 +104,9 @@ fn from_operands(
         Operation::AnyBit(a) => one(a, "any"),
         Operation::AllBits(a) => one(a, "all"),
         Operation::Register { next, .. } => next.and_then(short).map(|name| registered(&name)),
+        Operation::MemoryRead { memory, .. } => {
+            Some(format!("{}_word", module.memory(*memory).name))
+        }
         Operation::InstanceOutput { instance, output } => {
             let instance = &module.instances[*instance];
             let port = without_suffix(&instance.module.outputs[*output].0);
@@ -145,6 +150,7 @@ fn noun(operation: &Operation) -> &'static str {
         Operation::AnyBit(_) => "any",
         Operation::AllBits(_) => "all",
         Operation::Register { .. } => "q",
+        Operation::MemoryRead { .. } => "word",
         Operation::InstanceOutput { .. } => "output",
     }
 }

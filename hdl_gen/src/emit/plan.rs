@@ -47,10 +47,23 @@ pub(super) struct RegisterGroup {
     pub(super) registers: Vec<(Wire, Option<u64>, Expression)>,
 }
 
+/// A memory's write port.
+#[derive(Clone, Debug)]
+pub(super) struct WriteBlock {
+    pub(super) memory: usize,
+    /// None where it writes at every edge.
+    pub(super) enable: Option<Expression>,
+    pub(super) address: Expression,
+    pub(super) data: Expression,
+}
+
 /// All that one section prints.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Section {
     pub(super) registers: Vec<Wire>,
+    /// Memories that are declared here.
+    pub(super) memories: Vec<usize>,
+    pub(super) writes: Vec<WriteBlock>,
     pub(super) items: Vec<Item>,
     pub(super) groups: Vec<RegisterGroup>,
 }
@@ -99,6 +112,7 @@ impl<'m> Plan<'m> {
             }
         }
         plan.group_registers();
+        plan.place_memories(&shape);
         plan.assign_outputs();
         plan
     }
@@ -122,8 +136,17 @@ impl<'m> Plan<'m> {
                 .any(|(port, _)| Some(port.as_str()) == name)
     }
 
-    /// Is a register with a reset, or without one, printed here, not in an instance?
+    /// Is a register with a reset, or without one, printed here, not in an instance? A memory
+    /// counts as one without.
     pub(super) fn has_registers(&self, with_reset: bool) -> bool {
+        if !with_reset
+            && self
+                .sections
+                .iter()
+                .any(|section| !section.writes.is_empty())
+        {
+            return true;
+        }
         let groups = self.sections.iter().flat_map(|section| &section.groups);
         groups
             .flat_map(|group| &group.registers)
@@ -181,6 +204,10 @@ impl<'m> Plan<'m> {
         }
         if !matches!(node.operation, Operation::Register { .. }) {
             self.stand_behind(wire, &node.operation.operands());
+        }
+        if let Operation::MemoryRead { memory, .. } = node.operation {
+            let section = &mut self.section_of[wire.index()];
+            *section = self.module.memory(memory).section.max(*section);
         }
         let section = self.section_of[wire.index()];
         let reference = match &node.operation {
@@ -396,6 +423,27 @@ impl<'m> Plan<'m> {
             self.sections[section]
                 .groups
                 .push(RegisterGroup { enable, registers });
+        }
+    }
+
+    /// Declares the memories that are read, and gives each write port its block, behind all that
+    /// the port reads.
+    fn place_memories(&mut self, shape: &Shape) {
+        for (place, memory) in self.module.memories.iter().enumerate() {
+            let (true, Some(write)) = (shape.live_memories[place], memory.write) else {
+                continue;
+            };
+            self.sections[memory.section].memories.push(place);
+            let read = write.operands().map(|wire| self.section_of[wire.index()]);
+            let latest = read.into_iter().max().unwrap_or_default();
+            let always = self.known[write.enable.index()] == Some(1);
+            let block = WriteBlock {
+                memory: place,
+                enable: (!always).then(|| self.operand(write.enable)),
+                address: self.operand(write.address),
+                data: self.operand(write.data),
+            };
+            self.sections[latest.max(memory.section)].writes.push(block);
         }
     }
 

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::expression::{Expression, LINE, literal};
-use super::plan::{Item, Plan, RegisterGroup, Section};
+use super::plan::{Item, Plan, RegisterGroup, Section, WriteBlock};
 use crate::netlist::{Meaning, Module, Operation, Wire};
 use crate::simulate::RESET;
 
@@ -196,7 +196,12 @@ impl File<'_> {
 
     fn section(&mut self, section: &Section, title: &str) {
         let module = self.plan.module;
-        if section.registers.is_empty() && section.items.is_empty() && section.groups.is_empty() {
+        if section.registers.is_empty()
+            && section.items.is_empty()
+            && section.groups.is_empty()
+            && section.memories.is_empty()
+            && section.writes.is_empty()
+        {
             return;
         }
         if title == "ports" {
@@ -210,9 +215,15 @@ impl File<'_> {
             Item::Instance(_) => None,
         });
         let declared = section.registers.iter().copied().chain(wires);
+        let memories = section
+            .memories
+            .iter()
+            .map(|&place| &module.memories[place]);
         let column = declared
             .filter(|&wire| !self.plan.is_port(wire))
-            .map(|wire| range(module.width(wire)).len())
+            .map(|wire| module.width(wire))
+            .chain(memories.clone().map(|memory| memory.width))
+            .map(|width| range(width).len())
             .max()
             .unwrap_or_default();
         for &wire in &section.registers {
@@ -221,6 +232,13 @@ impl File<'_> {
                 let range = range(module.width(wire));
                 self.line(&format!("    reg  {range:column$}{name};"));
             }
+        }
+        for memory in memories {
+            let (range, last) = (range(memory.width), memory.words - 1);
+            self.line(&format!(
+                "    reg  {range:column$}{} [0:{last}];",
+                memory.name
+            ));
         }
         let alike = |a: &Item, b: &Item| match (a, b) {
             (Item::Wire { wire: a, .. }, Item::Wire { wire: b, .. }) => {
@@ -239,6 +257,32 @@ impl File<'_> {
         for group in &section.groups {
             self.gap();
             self.registers(group);
+        }
+        for write in &section.writes {
+            self.gap();
+            self.memory_write(write);
+        }
+    }
+
+    fn memory_write(&mut self, write: &WriteBlock) {
+        let name = &self.plan.module.memories[write.memory].name;
+        let place = format!("{name}[{}]", write.address.flat());
+        let (condition, indent) = match &write.enable {
+            Some(enable) => (format!("if ({}) ", enable.flat()), 12),
+            None => (String::new(), 8),
+        };
+        let mut lines = vec![format!("    always @(posedge {CLOCK}) begin")];
+        if write.enable.is_some() {
+            lines.push(format!("        {condition}begin"));
+        }
+        let start = format!("{}{place}", " ".repeat(indent));
+        lines.push(assignment(&start, "<=", &write.data));
+        if write.enable.is_some() {
+            lines.push("        end".to_owned());
+        }
+        lines.push("    end".to_owned());
+        for line in lines {
+            self.line(&line);
         }
     }
 

@@ -16,6 +16,11 @@ pub(super) fn live_nodes(module: &Module, known: &[Option<u64>]) -> Vec<bool> {
             Operation::InstanceOutput { instance, .. } => {
                 pending.extend(&module.instances[*instance].inputs);
             }
+            Operation::MemoryRead { memory, address } => {
+                pending.push(*address);
+                let write = module.memory(*memory).write;
+                pending.extend(write.iter().flat_map(|write| write.operands()));
+            }
             operation => pending.extend(operation.operands()),
         }
     }
@@ -33,6 +38,8 @@ pub(super) struct Shape {
     pub(super) register_of: HashMap<Wire, Wire>,
     /// The output port that an unnamed node is.
     pub(super) output_of: HashMap<Wire, usize>,
+    /// By memory: is it read?
+    pub(super) live_memories: Vec<bool>,
     /// By instance: the live nodes of its outputs.
     pub(super) instance_outputs: Vec<HashMap<usize, Wire>>,
 }
@@ -45,6 +52,7 @@ impl Shape {
             needs_signal: HashSet::new(),
             register_of: HashMap::new(),
             output_of: HashMap::new(),
+            live_memories: vec![false; module.memories.len()],
             instance_outputs: vec![HashMap::new(); module.instances.len()],
         };
         let mut enables = HashSet::new();
@@ -77,19 +85,29 @@ impl Shape {
                 Operation::Slice { from, .. } | Operation::SignExtend(from) => {
                     shape.needs_signal.insert(*from);
                 }
+                Operation::MemoryRead { memory, .. } => {
+                    shape.live_memories[memory.index()] = true;
+                }
                 Operation::MultiplySigned(a, b) => shape.needs_signal.extend([*a, *b]),
                 _ => {}
             }
             shape.use_all(&node.operation.operands(), wire);
         }
+        // No node is the user: an instance is none, nor is a memory.
+        let mut outside = Vec::new();
         for (instance, outputs) in module.instances.iter().zip(&shape.instance_outputs) {
             if !outputs.is_empty() {
-                for &input in &instance.inputs {
-                    // No node is the user: an instance is none.
-                    shape.uses[input.index()] += 1;
-                    shape.users[input.index()] = None;
-                }
+                outside.extend(&instance.inputs);
             }
+        }
+        for (memory, &live) in module.memories.iter().zip(&shape.live_memories) {
+            if let (true, Some(write)) = (live, memory.write) {
+                outside.extend(write.operands());
+            }
+        }
+        for wire in outside {
+            shape.uses[wire.index()] += 1;
+            shape.users[wire.index()] = None;
         }
         for (index, &(_, wire)) in module.outputs.iter().enumerate() {
             let node = module.node(wire);

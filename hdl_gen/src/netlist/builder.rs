@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use super::{Instance, Localparam, Meaning, Module, Node, Operation, Wire};
+use super::{
+    Instance, Localparam, Meaning, Memory, MemoryId, MemoryWrite, Module, Node, Operation, Wire,
+};
 use crate::identifier::is_identifier;
 
 /// Builds a [`Module`] node by node, checking every width.
@@ -327,11 +329,87 @@ impl Builder {
         }
     }
 
+    /// Says what a register that was built without an enable takes at the clock edge, and by
+    /// which bit it is enabled.
+    pub fn connect_enabled(&mut self, register: Wire, value: Wire, enable: Wire) {
+        assert_eq!(self.width(enable), 1, "{}: an enable", self.module.name);
+        self.connect(register, value);
+        match &mut self.module.nodes[register.index()].operation {
+            Operation::Register {
+                enable: own @ None, ..
+            } => *own = Some(enable),
+            _ => panic!("{}: a register enabled by two", self.module.name),
+        }
+    }
+
     /// A register that takes `value` at every enabled edge.
     pub fn registered(&mut self, value: Wire, enable: Option<Wire>, reset: Option<u64>) -> Wire {
         let register = self.register(self.width(value), enable, reset);
         self.connect(register, value);
         register
+    }
+
+    /// A memory of `words` words, to be written by [`memory_write`](Builder::memory_write).
+    ///
+    /// # Panics
+    /// If `words` is no power of two from 2 up, or a word has not 1 to 64 bits.
+    pub fn memory(&mut self, name: &str, words: u32, width: u32) -> MemoryId {
+        assert!(
+            words >= 2 && words.is_power_of_two() && (1..=64).contains(&width),
+            "{}: memory {name} of {words} words of {width} bits",
+            self.module.name
+        );
+        let memory = u32::try_from(self.module.memories.len()).expect("few memories");
+        self.module.memories.push(Memory {
+            name: name.to_owned(),
+            words,
+            width,
+            section: self.module.sections.len() - 1,
+            write: None,
+        });
+        MemoryId(memory)
+    }
+
+    fn check_address(&self, memory: MemoryId, address: Wire) {
+        let memory = self.module.memory(memory);
+        assert_eq!(
+            self.width(address),
+            memory.words.trailing_zeros(),
+            "{}: an address of memory {}",
+            self.module.name,
+            memory.name
+        );
+    }
+
+    /// The word at an address, within the cycle: what was written at edges before this cycle. A
+    /// memory is read at as many addresses as there are calls. A register that takes the word and
+    /// nothing else is what synthesis makes a block RAM of.
+    pub fn memory_read(&mut self, memory: MemoryId, address: Wire) -> Wire {
+        self.check_address(memory, address);
+        let width = self.module.memory(memory).width;
+        self.push(Operation::MemoryRead { memory, address }, width)
+    }
+
+    /// The memory's write port: `data` goes to `address` at every edge at which `enable` is 1.
+    ///
+    /// # Panics
+    /// If the memory has one already, or a width is wrong.
+    pub fn memory_write(&mut self, memory: MemoryId, enable: Wire, address: Wire, data: Wire) {
+        self.check_address(memory, address);
+        let name = self.module.memory(memory).name.clone();
+        assert!(
+            self.width(enable) == 1 && self.width(data) == self.module.memory(memory).width,
+            "{}: widths of the write port of memory {name}",
+            self.module.name
+        );
+        let write = MemoryWrite {
+            enable,
+            address,
+            data,
+        };
+        let port = &mut self.module.memories[memory.index()].write;
+        assert!(port.is_none(), "memory {name} is written by two");
+        *port = Some(write);
     }
 
     /// An instance of another module; returns its outputs in order.
@@ -383,7 +461,8 @@ impl Builder {
             let own = module.node(*driver).name.as_ref() == Some(name);
             (!own).then_some(name.as_str())
         });
-        for name in signals.chain(instances).chain(outputs) {
+        let memories = module.memories.iter().map(|memory| memory.name.as_str());
+        for name in signals.chain(instances).chain(outputs).chain(memories) {
             check(name);
             assert!(
                 seen.insert(name),
@@ -396,13 +475,18 @@ impl Builder {
     /// The finished module.
     ///
     /// # Panics
-    /// If a register was never connected, or a name is none in Verilog or stands for two things.
+    /// If a register was never connected, a memory is never written, or a name is none in Verilog
+    /// or stands for two things.
     pub fn finish(self) -> Arc<Module> {
         self.check_names();
         for node in &self.module.nodes {
             if let Operation::Register { next: None, .. } = node.operation {
                 panic!("{}: a register that takes nothing", self.module.name);
             }
+        }
+        for memory in &self.module.memories {
+            let (module, name) = (&self.module.name, &memory.name);
+            assert!(memory.write.is_some(), "{module}: nothing writes {name}");
         }
         Arc::new(self.module)
     }

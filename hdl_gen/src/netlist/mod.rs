@@ -23,6 +23,17 @@ impl Wire {
     }
 }
 
+/// A memory of one module.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct MemoryId(pub(crate) u32);
+
+impl MemoryId {
+    /// The memory's place in [`Module::memories`].
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
 /// What a node computes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Operation {
@@ -87,6 +98,13 @@ pub enum Operation {
         /// Its value while `rst_ni` is 0 at an edge; data registers have none.
         reset: Option<u64>,
     },
+    /// The word of a memory at an address, as it stands before the clock edge.
+    MemoryRead {
+        /// The memory.
+        memory: MemoryId,
+        /// As many bits as tell its words apart.
+        address: Wire,
+    },
     /// An output of an instance of another module.
     InstanceOutput {
         /// Its place in [`Module::instances`].
@@ -106,6 +124,7 @@ impl Operation {
             | Operation::SignExtend(a)
             | Operation::AnyBit(a)
             | Operation::AllBits(a)
+            | Operation::MemoryRead { address: a, .. }
             | Operation::Slice { from: a, .. } => vec![*a],
             Operation::And(a, b)
             | Operation::Or(a, b)
@@ -139,6 +158,7 @@ impl Operation {
             | Operation::SignExtend(a)
             | Operation::AnyBit(a)
             | Operation::AllBits(a)
+            | Operation::MemoryRead { address: a, .. }
             | Operation::Slice { from: a, .. } => *a = f(*a),
             Operation::And(a, b)
             | Operation::Or(a, b)
@@ -228,6 +248,49 @@ pub struct Instance {
     pub section: usize,
 }
 
+/// Words that are read at any time and written on the rising edge of `clk_i`. What it holds at
+/// first is not said: a design must work whatever it is.
+#[derive(Clone, Debug)]
+pub struct Memory {
+    /// Its name in Verilog.
+    pub name: String,
+    /// How many words, a power of two.
+    pub words: u32,
+    /// Bits of a word, 1 to 64.
+    pub width: u32,
+    /// The section it is declared in.
+    pub section: usize,
+    /// Its write port; set by [`Builder::memory_write`].
+    pub write: Option<MemoryWrite>,
+}
+
+/// The write port of a memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MemoryWrite {
+    /// A word is written at the edge only where this bit is 1.
+    pub enable: Wire,
+    /// Where.
+    pub address: Wire,
+    /// What.
+    pub data: Wire,
+}
+
+impl MemoryWrite {
+    /// The wires it reads.
+    pub fn operands(self) -> [Wire; 3] {
+        [self.enable, self.address, self.data]
+    }
+
+    /// The same port on other wires.
+    pub fn map_operands(self, mut f: impl FnMut(Wire) -> Wire) -> MemoryWrite {
+        MemoryWrite {
+            enable: f(self.enable),
+            address: f(self.address),
+            data: f(self.data),
+        }
+    }
+}
+
 /// A module: ports, nodes in the order they were built, instances.
 #[derive(Clone, Debug, Default)]
 pub struct Module {
@@ -247,6 +310,8 @@ pub struct Module {
     pub inputs: Vec<Wire>,
     /// Output ports in order: name and what drives it.
     pub outputs: Vec<(String, Wire)>,
+    /// Memories.
+    pub memories: Vec<Memory>,
     /// Instances of other modules.
     pub instances: Vec<Instance>,
 }
@@ -262,11 +327,18 @@ impl Module {
         self.node(wire).width
     }
 
-    /// Has it a register, its own or an instance's? Then it has the port `clk_i`.
+    /// The memory of this handle.
+    pub fn memory(&self, memory: MemoryId) -> &Memory {
+        &self.memories[memory.index()]
+    }
+
+    /// Has it a register or a memory, its own or an instance's? Then it has the port `clk_i`.
     pub fn is_clocked(&self) -> bool {
-        self.nodes
-            .iter()
-            .any(|node| matches!(node.operation, Operation::Register { .. }))
+        !self.memories.is_empty()
+            || self
+                .nodes
+                .iter()
+                .any(|node| matches!(node.operation, Operation::Register { .. }))
             || self
                 .instances
                 .iter()

@@ -54,6 +54,8 @@ pub fn delay(module: &Module, wire: Wire) -> Delay {
         | Operation::SignExtend(_)
         | Operation::Register { .. }
         | Operation::InstanceOutput { .. } => 0,
+        // Distributed memory is made of look-up tables, and has selectors behind them.
+        Operation::MemoryRead { address, .. } => LEVEL * tree_levels(1 << width(*address).min(16)),
         // Two gates of two inputs mostly share a table.
         Operation::And(..) | Operation::Or(..) | Operation::Xor(..) => LEVEL / 2,
         Operation::Mux {

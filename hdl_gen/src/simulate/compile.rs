@@ -30,12 +30,24 @@ pub(super) struct Register {
     pub(super) reset: Option<u64>,
 }
 
+/// The write port of a memory by the addresses that it reads.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WritePort {
+    /// Where the memory's words lie.
+    pub(super) first: u32,
+    pub(super) enable: u32,
+    pub(super) address: u32,
+    pub(super) data: u32,
+}
+
 /// The program, its memory as it stands before the first step, and where everything lies.
 pub(super) struct Compiled {
     pub(super) memory: Vec<u64>,
     pub(super) runs: Vec<Run>,
     /// In the order of their addresses, which are consecutive; those without enable come first.
     pub(super) registers: Vec<Register>,
+    /// Of the memories that are read.
+    pub(super) write_ports: Vec<WritePort>,
     /// The address of every flat node asked for.
     pub(super) address_of: HashMap<u32, u32>,
 }
@@ -54,6 +66,7 @@ pub(super) fn compile(
         steps: Vec::new(),
         step_of: HashMap::new(),
         registers: Vec::new(),
+        memories: Vec::new(),
     };
     for &input in inputs {
         lowering.visit(input)?;
@@ -61,16 +74,27 @@ pub(super) fn compile(
     for &node in wanted {
         lowering.visit(node)?;
     }
-    // What a register takes may hold further registers, which the loop then reaches.
-    let mut done = 0;
-    while let Some(&(_, node)) = lowering.registers.get(done) {
-        let (operation, _, base) = flat.node(node);
-        if let Operation::Register { next, enable, .. } = operation {
-            for wire in next.iter().chain(enable) {
+    // What a register takes, or a memory, may hold further registers and memories, which the
+    // loop then reaches.
+    let (mut registers, mut memories) = (0, 0);
+    loop {
+        if let Some(&(_, node)) = lowering.registers.get(registers) {
+            let (operation, _, base) = flat.node(node);
+            if let Operation::Register { next, enable, .. } = operation {
+                for wire in next.iter().chain(enable) {
+                    lowering.visit(base + wire.0)?;
+                }
+            }
+            registers += 1;
+        } else if let Some(&place) = lowering.memories.get(memories) {
+            let (memory, base) = flat.memory(place);
+            for wire in memory.write.iter().flat_map(|write| write.operands()) {
                 lowering.visit(base + wire.0)?;
             }
+            memories += 1;
+        } else {
+            break;
         }
-        done += 1;
     }
     lowering.lay_out(inputs, wanted)
 }
@@ -86,6 +110,8 @@ struct Lowering<'a> {
     step_of: HashMap<(Opcode, Step), Word>,
     /// Word and flat node.
     registers: Vec<(Word, u32)>,
+    /// Places of the memories that are read.
+    memories: Vec<u32>,
 }
 
 impl Lowering<'_> {
@@ -155,7 +181,8 @@ impl Lowering<'_> {
                 _ => None,
             })
             .collect();
-        if constants.len() == operands.len() {
+        // What a memory holds is no constant, wherever it is read.
+        if constants.len() == operands.len() && opcode != Opcode::MemoryRead {
             // Folded by the interpreter itself, so that there is one meaning of an opcode.
             let mut memory = [0; 4];
             memory[..constants.len()].copy_from_slice(&constants);
@@ -233,6 +260,14 @@ impl Lowering<'_> {
                 let all = low_bits(flat.width(base, *from));
                 return Ok(self.step(Opcode::AllBits, &words, all, 0));
             }
+            Operation::MemoryRead { memory, .. } => {
+                let place = flat.memory_place(node, *memory);
+                if !self.memories.contains(&place) {
+                    self.memories.push(place);
+                }
+                // The address of its first word is not known before all are laid out.
+                return Ok(self.step(Opcode::MemoryRead, &words, place.into(), 0));
+            }
             Operation::InstanceOutput { .. } => return Err(flat.combinational_loop(node)),
             Operation::Not(..) => Opcode::Not,
             Operation::And(..) => Opcode::And,
@@ -251,7 +286,8 @@ impl Lowering<'_> {
         Ok(self.step(opcode, &words, mask, 0))
     }
 
-    /// Addresses: constants, inputs, registers, then the results in the order of execution.
+    /// Addresses: constants, inputs, registers, then the results in the order of execution, then
+    /// the words of the memories.
     fn lay_out(self, inputs: &[u32], wanted: &[u32]) -> Result<Compiled, SimulateError> {
         let word_of = |base: u32, wire: crate::netlist::Wire| {
             let node = self.flat.resolve(base + wire.0)?;
@@ -297,9 +333,30 @@ impl Lowering<'_> {
             memory.push(0);
         }
 
+        let mut first_word = HashMap::new();
+        let mut write_ports = Vec::new();
+        for &place in &self.memories {
+            let (contents, base) = self.flat.memory(place);
+            let first = memory.len() as u32;
+            first_word.insert(u64::from(place), u64::from(first));
+            memory.resize(memory.len() + contents.words as usize, 0);
+            if let Some(write) = contents.write {
+                let at = |wire| Ok(address[word_of(base, wire)? as usize]);
+                write_ports.push(WritePort {
+                    first,
+                    enable: at(write.enable)?,
+                    address: at(write.address)?,
+                    data: at(write.data)?,
+                });
+            }
+        }
+
         let mut runs: Vec<Run> = Vec::new();
         for &step in &order {
             let (opcode, mut step) = self.steps[step];
+            if opcode == Opcode::MemoryRead {
+                step.mask = first_word[&step.mask];
+            }
             for operand in &mut step.operands[..opcode.operands()] {
                 *operand = address[*operand as usize];
             }
@@ -328,6 +385,7 @@ impl Lowering<'_> {
             memory,
             runs,
             registers,
+            write_ports,
             address_of,
         })
     }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::{Signal, SimulateError};
-use crate::netlist::{Meaning, Module, Operation, Wire};
+use crate::netlist::{Meaning, Memory, MemoryId, Module, Operation, Wire};
 
 /// One module in the hierarchy, with the place of its nodes in the flat list.
 struct Scope {
@@ -12,6 +12,8 @@ struct Scope {
     prefix: String,
     module: Arc<Module>,
     base: u32,
+    /// The place of its first memory among all.
+    first_memory: u32,
 }
 
 /// What stands in the flat list for a node.
@@ -45,6 +47,7 @@ impl FlatSignal {
 pub(super) struct Flat {
     scopes: Vec<Scope>,
     cells: Vec<Cell>,
+    memories: u32,
 }
 
 impl Flat {
@@ -52,6 +55,7 @@ impl Flat {
         let mut flat = Flat {
             scopes: Vec::new(),
             cells: Vec::new(),
+            memories: 0,
         };
         flat.add(top, String::new(), None);
         flat
@@ -72,7 +76,9 @@ impl Flat {
             prefix: prefix.clone(),
             module: module.clone(),
             base,
+            first_memory: self.memories,
         });
+        self.memories += module.memories.len() as u32;
         let bases: Vec<u32> = module
             .instances
             .iter()
@@ -114,6 +120,24 @@ impl Flat {
         let scope = self.scope(node);
         let inner = &scope.module.nodes[(node - scope.base) as usize];
         (&inner.operation, inner.width, scope.base)
+    }
+
+    /// The place among all memories of one that a node reads.
+    pub(super) fn memory_place(&self, node: u32, memory: MemoryId) -> u32 {
+        self.scope(node).first_memory + memory.0
+    }
+
+    /// A memory by its place among all, and the base the wires of its write port count from.
+    pub(super) fn memory(&self, place: u32) -> (&Memory, u32) {
+        let after = self
+            .scopes
+            .partition_point(|scope| scope.first_memory <= place);
+        // Scopes without memories share their first place with the one that follows them.
+        let mut scopes = self.scopes[..after].iter().rev();
+        let scope = scopes.find(|scope| !scope.module.memories.is_empty());
+        let scope = scope.expect("a memory stands in a scope");
+        let index = (place - scope.first_memory) as usize;
+        (&scope.module.memories[index], scope.base)
     }
 
     /// The width of an operand counted from `base`.

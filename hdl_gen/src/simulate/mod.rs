@@ -1,7 +1,7 @@
 //! The embedded simulator: a design executed without any tool, two-valued, cycle by cycle.
 //!
 //! The hierarchy is flattened into one linear program over a memory of 64-bit words. There is no
-//! unknown value: registers and inputs start at 0, and a design whose results depend on what a
+//! unknown value: registers, memories and inputs start at 0, and a design whose results depend on what a
 //! register held before its first write shows it only under a four-valued simulator.
 
 mod compile;
@@ -11,7 +11,7 @@ mod program;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use compile::{Register, compile};
+use compile::{Register, WritePort, compile};
 use flatten::Flat;
 use program::{Run, execute};
 
@@ -110,6 +110,7 @@ pub struct Simulator {
     always_enabled: usize,
     /// Where the registers' values begin.
     first_register: usize,
+    write_ports: Vec<WritePort>,
     /// The registers' next values, so that all change at once.
     next_values: Vec<u64>,
     inputs: HashMap<String, Input>,
@@ -123,7 +124,7 @@ pub struct Simulator {
 }
 
 impl Simulator {
-    /// Prepares a design: every register and input at 0, the reset released.
+    /// Prepares a design: every register, memory and input at 0, the reset released.
     ///
     /// # Errors
     /// [`SimulateError::CombinationalLoop`] where a signal depends on itself.
@@ -166,6 +167,7 @@ impl Simulator {
             next_values: vec![0; compiled.registers.len()],
             memory: compiled.memory,
             runs: compiled.runs,
+            write_ports: compiled.write_ports,
             registers: compiled.registers,
             inputs,
             signals,
@@ -303,6 +305,13 @@ impl Simulator {
         if self.reset_n == 0 {
             for (next, register) in self.next_values.iter_mut().zip(&self.registers) {
                 *next = register.reset.unwrap_or(*next);
+            }
+        }
+        // Before the registers change: the ports read them.
+        for port in &self.write_ports {
+            if memory[port.enable as usize] != 0 {
+                let place = u64::from(port.first) + memory[port.address as usize];
+                memory[place as usize] = memory[port.data as usize];
             }
         }
         memory[self.first_register..][..self.next_values.len()].copy_from_slice(&self.next_values);

@@ -37,17 +37,22 @@ pub(super) enum Opcode {
     AnyBit,
     /// `a == mask`
     AllBits,
+    /// The word `a` behind the address `mask`
+    MemoryRead,
 }
 
 impl Opcode {
-    pub(super) const COUNT: usize = Opcode::AllBits as usize + 1;
+    pub(super) const COUNT: usize = Opcode::MemoryRead as usize + 1;
 
     /// How many of a step's operands are addresses.
     pub(super) fn operands(self) -> usize {
         match self {
-            Opcode::Not | Opcode::Slice | Opcode::SignExtend | Opcode::AnyBit | Opcode::AllBits => {
-                1
-            }
+            Opcode::Not
+            | Opcode::Slice
+            | Opcode::SignExtend
+            | Opcode::AnyBit
+            | Opcode::AllBits
+            | Opcode::MemoryRead => 1,
             Opcode::Mux => 3,
             _ => 2,
         }
@@ -108,6 +113,12 @@ pub(super) fn execute(opcode: Opcode, steps: &[Step], memory: &mut [u64]) {
         }),
         Opcode::AnyBit => one(steps, memory, |_, a| u64::from(a != 0)),
         Opcode::AllBits => one(steps, memory, |s, a| u64::from(a == s.mask)),
+        Opcode::MemoryRead => {
+            for step in steps {
+                let place = step.mask + memory[step.operands[0] as usize];
+                memory[step.result as usize] = memory[place as usize];
+            }
+        }
     }
 }
 

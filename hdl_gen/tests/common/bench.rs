@@ -80,7 +80,7 @@ pub fn write_bench(dir: &Path, designs: &[Arc<Module>], stimuli: &Stimuli, start
     let mut show = String::new();
     let mut zero = String::new();
     let mut bits = 0;
-    bench += "    reg clk = 0;\n    integer cycle;\n";
+    bench += "    reg clk = 0;\n    integer cycle;\n    integer place;\n";
     for (index, design) in designs.iter().enumerate() {
         write_design(design, dir).unwrap();
         let mut ports = Vec::new();
@@ -117,8 +117,15 @@ pub fn write_bench(dir: &Path, designs: &[Arc<Module>], stimuli: &Stimuli, start
             ports.join(", ")
         );
         if start_at_zero {
-            for path in registers(design, &format!("dut{index}")) {
-                let _ = writeln!(zero, "        {path} = 0;");
+            for (path, words) in registers(design, &format!("dut{index}")) {
+                let _ = match words {
+                    None => writeln!(zero, "        {path} = 0;"),
+                    Some(words) => writeln!(
+                        zero,
+                        "        for (place = 0; place < {words}; place = place + 1) \
+                         {path}[place] = 0;"
+                    ),
+                };
             }
         }
     }
@@ -162,19 +169,25 @@ fn stimuli_file(designs: &[Arc<Module>], stimuli: &Stimuli) -> String {
     text
 }
 
-/// The registers of a design by their path, as the emitted text declares them.
-fn registers(module: &Module, path: &str) -> Vec<String> {
+/// The registers and memories of a design by their path, as the emitted text declares them, with
+/// the words of a memory.
+fn registers(module: &Module, path: &str) -> Vec<(String, Option<u32>)> {
     let text = verilog(module, "0");
     let declared = text.lines().map(str::trim_start).filter_map(|line| {
         let declares = line.starts_with("reg ") || line.starts_with("output reg ");
         let code = line.split("//").next().unwrap().trim_end();
-        let name = code
-            .trim_end_matches([';', ','])
-            .split_whitespace()
-            .next_back()?;
-        declares.then(|| format!("{path}.{name}"))
+        let code = code.trim_end_matches([';', ',']);
+        let (code, words) = match code.split_once(" [0:") {
+            Some((code, last)) => {
+                let last: u32 = last.trim_end_matches(']').parse().unwrap();
+                (code, Some(last + 1))
+            }
+            None => (code, None),
+        };
+        let name = code.split_whitespace().next_back()?;
+        declares.then(|| (format!("{path}.{name}"), words))
     });
-    let mut paths: Vec<String> = declared.collect();
+    let mut paths: Vec<(String, Option<u32>)> = declared.collect();
     for instance in &module.instances {
         let head = format!("{} {} (", instance.module.name, instance.name);
         if text.contains(&head) {

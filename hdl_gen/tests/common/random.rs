@@ -23,7 +23,7 @@ pub struct Recipe {
 }
 
 fn step() -> impl Strategy<Value = Step> {
-    (0u8..28, any::<[u16; 3]>(), any::<u64>()).prop_map(|(kind, picks, number)| Step {
+    (0u8..30, any::<[u16; 3]>(), any::<u64>()).prop_map(|(kind, picks, number)| Step {
         kind,
         picks,
         number,
@@ -86,6 +86,7 @@ fn build(name: &str, recipe: &Recipe, library: &[Arc<Module>]) -> Arc<Module> {
         pool.push(b.input(&format!("in{index}_i"), width));
     }
     let mut open: Vec<(Wire, u16)> = Vec::new();
+    let mut memories = Vec::new();
     for (index, step) in recipe.steps.iter().enumerate() {
         // The later wires more often than the first.
         let pick = |which: usize| {
@@ -191,6 +192,23 @@ fn build(name: &str, recipe: &Recipe, library: &[Arc<Module>]) -> Arc<Module> {
                 };
                 b.constant(value & (u64::MAX >> (64 - width)), width)
             }
+            28 | 29 => {
+                // Read at two places at most, written from what is built later.
+                let bits = b.width(y).min(1 + step.number as u32 % 5);
+                let memory = b.memory(&format!("memory{index}"), 1 << bits, width);
+                memories.push((memory, bits, width, step.picks));
+                let address = fit(&mut b, y, bits);
+                let word = b.memory_read(memory, address);
+                if step.kind == 28 {
+                    word
+                } else {
+                    pool.push(word);
+                    let word = b.constant(0, bits);
+                    let first = b.memory_read(memory, word);
+                    let enable = enable(&mut b);
+                    b.registered(first, enable, None)
+                }
+            }
             26 => {
                 b.section(format!("part {index}"));
                 b.not(x)
@@ -207,6 +225,16 @@ fn build(name: &str, recipe: &Recipe, library: &[Arc<Module>]) -> Arc<Module> {
         let width = b.width(register);
         let value = fit(&mut b, value, width);
         b.connect(register, value);
+    }
+    for (memory, bits, width, picks) in memories {
+        let pick = |which: usize| pool[usize::from(picks[which]) % pool.len()];
+        let (enable, address, data) = (pick(0), pick(1), pick(2));
+        let enable = b.any_bit(enable);
+        let extended = b.width(address).max(bits);
+        let address = fit(&mut b, address, extended);
+        let address = fit(&mut b, address, bits);
+        let data = fit(&mut b, data, width);
+        b.memory_write(memory, enable, address, data);
     }
     for (index, &wanted) in recipe.outputs.iter().enumerate() {
         let near = pool.len().min(24);
