@@ -1,9 +1,9 @@
 // Runs a Verilated unit beside the golden model and compares, cycle by cycle, as the golden
 // values stream in on standard input: nothing of a run is kept but the last few cycles.
 //
-// "design.h" is generated for each design. It says what a record holds, drives the input ports,
-// and compares. A record is one cycle: first the words for the input ports, then the golden
-// words. All words are little-endian and as wide as `Word`.
+// "design.h" is generated for each design. It says where in a record each word stands, drives the
+// input ports, and compares. A record is one cycle: the words for the input ports and the golden
+// words, each little-endian, in as many bytes as Verilator gives a signal of its width.
 //
 //   harness HEIGHTS [--vcd FILE FIRST LAST | --preload] < records
 //
@@ -48,33 +48,51 @@ std::vector<uint16_t> read_heights(const char* path) {
   return heights;
 }
 
+// The stream of records. Right before a record stand those of the last cycles.
 class Records {
  public:
-  explicit Records(bool preload) : buffer_(kRecordsABlock * kRecordWords) {
+  explicit Records(bool preload) : buffer_((kHistory + kRecordsABlock) * kRecordBytes) {
     if (!preload) return;
-    size_t words = 0;
-    for (size_t more = 1; more != 0; words += more) {
-      if (words == buffer_.size()) buffer_.resize(2 * words);
-      more = std::fread(&buffer_[words], sizeof(Word), buffer_.size() - words, stdin);
+    size_t bytes = kHistory * kRecordBytes;
+    for (size_t more = 1; more != 0; bytes += more) {
+      if (bytes == buffer_.size()) buffer_.resize(2 * bytes);
+      more = std::fread(&buffer_[bytes], 1, buffer_.size() - bytes, stdin);
     }
-    filled_ = words / kRecordWords;
+    filled_ = bytes / kRecordBytes - kHistory;
+    if (filled_ != 0) fill_history();
   }
 
   // The next record, or nullptr at the end of the stream.
-  const Word* next() {
-    if (position_ == filled_) {
-      const size_t words = std::fread(buffer_.data(), sizeof(Word), buffer_.size(), stdin);
-      if (words % kRecordWords != 0) fail("the stream of golden values ends within a record");
-      filled_ = words / kRecordWords;
-      position_ = 0;
-      if (filled_ == 0) return nullptr;
-    }
-    return &buffer_[kRecordWords * position_++];
+  const unsigned char* next() {
+    if (position_ == filled_ && !read_block()) return nullptr;
+    return &buffer_[(kHistory + position_++) * kRecordBytes];
   }
 
  private:
-  static constexpr size_t kRecordsABlock = 512;
-  std::vector<Word> buffer_;
+  static constexpr size_t kRecordsABlock = (1 << 16) / kRecordBytes + 1;
+
+  bool read_block() {
+    const bool is_first = filled_ == 0;
+    std::memmove(buffer_.data(), &buffer_[filled_ * kRecordBytes], kHistory * kRecordBytes);
+    unsigned char* const block = &buffer_[kHistory * kRecordBytes];
+    const size_t bytes = std::fread(block, 1, kRecordsABlock * kRecordBytes, stdin);
+    if (bytes % kRecordBytes != 0) fail("the stream of golden values ends within a record");
+    filled_ = bytes / kRecordBytes;
+    position_ = 0;
+    if (filled_ == 0) return false;
+    if (is_first) fill_history();
+    return true;
+  }
+
+  // What stood in the pipeline before cycle 0 is the idle cycle itself.
+  void fill_history() {
+    const unsigned char* const first = &buffer_[kHistory * kRecordBytes];
+    for (size_t slot = 0; slot < kHistory; ++slot) {
+      std::memcpy(&buffer_[slot * kRecordBytes], first, kRecordBytes);
+    }
+  }
+
+  std::vector<unsigned char> buffer_;
   size_t position_ = 0;
   size_t filled_ = 0;
 };
@@ -124,7 +142,7 @@ int main(int argc, char** argv) {
     top->eval();
     if (kHasMemory) drive_height(*top, heights[address]);
   };
-  const std::vector<Word> idle(kRecordWords, 0);
+  const std::vector<unsigned char> idle(kRecordBytes, 0);
   top->rst_ni = 0;
   for (int cycle = 0; cycle < kResetCycles; ++cycle) {
     drive(*top, idle.data());
@@ -134,8 +152,6 @@ int main(int argc, char** argv) {
   }
   top->rst_ni = 1;
 
-  // The last cycles' golden words, each kept as long as a register behind it may ask for it.
-  std::vector<Word> ring(kRingCycles * kRecordWords, 0);
   Records records(preload);
   std::vector<Difference> first;
   uint64_t first_cycle = 0;
@@ -143,18 +159,8 @@ int main(int argc, char** argv) {
   uint64_t mismatches = 0;
   uint64_t divergent_cycles = 0;
   uint64_t results = 0;
-  bool primed = false;
   const auto start = std::chrono::steady_clock::now();
-  while (const Word* record = records.next()) {
-    if (!primed) {
-      // What stood in the pipeline before cycle 0 is the idle cycle itself.
-      for (size_t slot = 0; slot < kRingCycles; ++slot) {
-        std::memcpy(&ring[slot * kRecordWords], record, kRecordWords * sizeof(Word));
-      }
-      primed = true;
-    }
-    std::memcpy(&ring[(cycles % kRingCycles) * kRecordWords], record, kRecordWords * sizeof(Word));
-    const GoldenWords golden{ring.data(), cycles};
+  while (const unsigned char* record = records.next()) {
 #if VM_TRACE
     const bool traced = cycles >= first_traced && cycles <= last_traced;
     // The edge with which the first cycle began.
@@ -166,9 +172,9 @@ int main(int argc, char** argv) {
 #if VM_TRACE
     if (traced) trace.dump(cycles * kPeriod + kPeriod / 2);
 #endif
-    if (differs(*top, golden)) {
+    if (differs(*top, record)) {
       for (size_t probe = 0; probe < kProbes; ++probe) {
-        const uint64_t expected = expected_value(golden, probe);
+        const uint64_t expected = expected_value(record, probe);
         const uint64_t found = found_value(*top, probe);
         if (expected == found) continue;
         ++mismatches;

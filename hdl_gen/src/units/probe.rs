@@ -1,7 +1,7 @@
 //! What is compared in every cycle, and what the golden model says it must be.
 
 use crate::netlist::Meaning;
-use rtl_model::machine::{CycleInputs, TraverseMachine};
+use rtl_model::machine::{CycleOutputs, TraverseMachine};
 use rtl_model::readings::Word;
 use rtl_model::units::step::Step;
 
@@ -55,13 +55,12 @@ impl CycleWords {
     /// Place of the first of the step's registers.
     pub const INPUTS: usize = 4;
 
-    /// Takes the words of the machine's present cycle.
+    /// Takes the words of the machine's present cycle, in which its outputs are these.
     pub fn take<R: Word, S: Step>(
         &mut self,
         machine: &TraverseMachine<'_, R, S>,
-        inputs: &CycleInputs,
+        outputs: &CycleOutputs,
     ) {
-        let outputs = machine.outputs(inputs);
         let entry = machine.entry();
         let words = &mut self.0;
         words.clear();

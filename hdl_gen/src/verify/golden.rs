@@ -62,7 +62,7 @@ impl GoldenRun<'_> {
                 hit_ready: stalls.next_ready(),
             };
             let outputs = machine.outputs(&inputs);
-            words.take(&machine, &inputs);
+            words.take(&machine, &outputs);
             if each(&inputs, &outputs, &words).is_break() {
                 break;
             }

@@ -26,7 +26,7 @@ pub use simulator::{FindError, FoundSimulator, SimulatorChoice};
 pub use stream::{StreamRun, VectorSource};
 pub use traverse::{driven_words, run_verilator, traverse_plan};
 pub use vectors::run_vectors_embedded;
-pub use verilator::{TraceWindow, Verilator, VerilatorError, run_harness};
+pub use verilator::{RecordStream, TraceWindow, Verilator, VerilatorError, run_harness};
 pub use waveform::{
     SimulatedWaveform, conform_window, decoded_value, golden_waveform, units_in_the_last_place,
     verilator_waveform, waveform_options, waveform_signals,

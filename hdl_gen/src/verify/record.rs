@@ -10,6 +10,8 @@ use std::fmt::Write;
 pub struct DrivenPort {
     /// The port's name.
     pub name: String,
+    /// Its bits.
+    pub width: u32,
 }
 
 /// A design prepared for a harness: what is driven, what is compared, and where each word stands.
@@ -21,16 +23,13 @@ pub struct HarnessPlan {
     pub driven: Vec<DrivenPort>,
     /// The signals compared.
     pub probes: Vec<Probe>,
-    /// For each golden word that a probe reads: its place in a record, behind the driven ones.
-    places: BTreeMap<usize, usize>,
-    /// Bits of a word of a record: 32, or 64 where a signal needs them.
-    pub word_bits: u32,
     /// Cycles in reset before cycle 0.
     pub reset_cycles: u32,
     /// The synchronous memory beside the design: words, address port, data port.
     pub memory: Option<MemoryPorts>,
     /// The pair of ports that are both 1 when a result leaves.
     pub result: (String, String),
+    layout: RecordLayout,
 }
 
 /// The ports of a synchronous read-only memory.
@@ -44,8 +43,122 @@ pub struct MemoryPorts {
     pub data: String,
 }
 
+/// Bytes in which Verilator holds a signal of so many bits.
+fn bytes_of(width: u32) -> usize {
+    match width {
+        0..=8 => 1,
+        9..=16 => 2,
+        17..=32 => 4,
+        _ => 8,
+    }
+}
+
+/// The type of such a signal in C++.
+fn type_of(width: u32) -> String {
+    format!("uint{}_t", 8 * bytes_of(width))
+}
+
+fn mask(width: u32) -> u64 {
+    u64::MAX >> (64 - width)
+}
+
+/// A word of a record: its place among the driven or the golden words, and the bits of it that are
+/// sent.
+#[derive(Clone, Copy, Debug)]
+struct Field {
+    word: usize,
+    mask: u64,
+}
+
+/// The words of a record that have one size.
+#[derive(Clone, Debug, Default)]
+struct FieldsOfSize {
+    driven: Vec<Field>,
+    golden: Vec<Field>,
+}
+
+/// How a record is packed: every word in the bytes in which Verilator holds a signal of its width,
+/// the longest in front, so that each is aligned and compared as it stands.
+#[derive(Clone, Debug)]
+struct RecordLayout {
+    /// Words of 8, 4, 2 and 1 bytes.
+    fields: [FieldsOfSize; 4],
+    /// Where the word of each driven port stands.
+    driven: Vec<usize>,
+    /// Where a golden word of so many bits stands.
+    golden: BTreeMap<(usize, u32), usize>,
+    /// All in all, a multiple of 8.
+    bytes: usize,
+}
+
+impl RecordLayout {
+    fn new(driven: &[DrivenPort], probes: &[Probe]) -> RecordLayout {
+        let mut layout = RecordLayout {
+            fields: Default::default(),
+            driven: vec![0; driven.len()],
+            golden: probes
+                .iter()
+                .map(|probe| ((probe.word, probe.width), 0))
+                .collect(),
+            bytes: 0,
+        };
+        for (size, fields) in [8, 4, 2, 1].into_iter().zip(&mut layout.fields) {
+            for (word, port) in driven.iter().enumerate() {
+                if bytes_of(port.width) == size {
+                    let mask = mask(port.width);
+                    fields.driven.push(Field { word, mask });
+                    layout.driven[word] = layout.bytes;
+                    layout.bytes += size;
+                }
+            }
+            for (&(word, width), place) in &mut layout.golden {
+                if bytes_of(width) == size {
+                    let mask = mask(width);
+                    fields.golden.push(Field { word, mask });
+                    *place = layout.bytes;
+                    layout.bytes += size;
+                }
+            }
+        }
+        layout.bytes = layout.bytes.next_multiple_of(8);
+        layout
+    }
+
+    fn pack(&self, record: &mut [u8], driven: &[u64], golden: &[u64]) {
+        let [of_8, of_4, of_2, of_1] = &self.fields;
+        let record = of_8.pack::<8>(record, driven, golden);
+        let record = of_4.pack::<4>(record, driven, golden);
+        let record = of_2.pack::<2>(record, driven, golden);
+        of_1.pack::<1>(record, driven, golden);
+    }
+}
+
+impl FieldsOfSize {
+    /// Packs the words to the front of what is left of a record; returns what is left then.
+    fn pack<'a, const SIZE: usize>(
+        &self,
+        record: &'a mut [u8],
+        driven: &[u64],
+        golden: &[u64],
+    ) -> &'a mut [u8] {
+        let bytes = SIZE * (self.driven.len() + self.golden.len());
+        let (own, rest) = record.split_at_mut(bytes);
+        let mut places = own.chunks_exact_mut(SIZE);
+        for (fields, words) in [(&self.driven, driven), (&self.golden, golden)] {
+            for (field, place) in fields.iter().zip(places.by_ref()) {
+                let word = words[field.word] & field.mask;
+                place.copy_from_slice(&word.to_le_bytes()[..SIZE]);
+            }
+        }
+        rest
+    }
+}
+
 impl HarnessPlan {
     /// A plan for a design.
+    ///
+    /// # Panics
+    /// If a driven port is no input of the design.
     pub fn new(
         design: &Module,
         driven: &[&str],
@@ -54,69 +167,53 @@ impl HarnessPlan {
         memory: Option<MemoryPorts>,
         result: (&str, &str),
     ) -> HarnessPlan {
-        let mut places = BTreeMap::new();
-        for probe in &probes {
-            places.entry(probe.word).or_insert(0);
-        }
-        for (place, (_, entry)) in places.iter_mut().enumerate() {
-            *entry = driven.len() + place;
-        }
-        let widest_port = driven
-            .iter()
-            .filter_map(|name| design.input(name).map(|wire| design.width(wire)))
-            .max();
-        let widest = probes
-            .iter()
-            .map(|probe| probe.width)
-            .max()
-            .max(widest_port)
-            .unwrap_or(1);
+        let port = |&name: &&str| {
+            let wire = design.input(name).expect("a driven port is an input");
+            DrivenPort {
+                name: name.to_owned(),
+                width: design.width(wire),
+            }
+        };
+        let driven: Vec<DrivenPort> = driven.iter().map(port).collect();
         HarnessPlan {
             top: design.name.clone(),
-            driven: driven
-                .iter()
-                .map(|&name| DrivenPort {
-                    name: name.to_owned(),
-                })
-                .collect(),
+            layout: RecordLayout::new(&driven, &probes),
+            driven,
             probes,
-            places,
-            word_bits: if widest > 32 { 64 } else { 32 },
             reset_cycles,
             memory,
             result: (result.0.to_owned(), result.1.to_owned()),
         }
     }
 
-    /// Words of a record.
-    pub fn record_words(&self) -> usize {
-        self.driven.len() + self.places.len()
+    /// Bytes of a record.
+    pub fn record_bytes(&self) -> usize {
+        self.layout.bytes
     }
 
-    /// Appends the bytes of a record: driven words, then the golden ones that are read.
+    /// Appends a record to `bytes`: the words of the driven ports, and those golden words of the
+    /// cycle that a probe is compared with.
     pub fn append_record(&self, bytes: &mut Vec<u8>, driven: &[u64], golden: &[u64]) {
         debug_assert_eq!(driven.len(), self.driven.len());
-        let golden = self.places.keys().map(|&word| golden[word]);
-        if self.word_bits == 32 {
-            for word in driven.iter().copied().chain(golden) {
-                bytes.extend_from_slice(&(word as u32).to_le_bytes());
-            }
-        } else {
-            for word in driven.iter().copied().chain(golden) {
-                bytes.extend_from_slice(&word.to_le_bytes());
-            }
-        }
+        let start = bytes.len();
+        bytes.resize(start + self.layout.bytes, 0);
+        self.layout.pack(&mut bytes[start..], driven, golden);
     }
 
-    /// Cycles whose golden words are kept: a power of two above the longest delay.
-    fn ring_cycles(&self) -> usize {
-        let longest = self
-            .probes
-            .iter()
-            .map(|probe| probe.delay)
-            .max()
-            .unwrap_or(0);
-        (longest as usize + 1).next_power_of_two()
+    /// Cycles before the present one whose records are kept: the longest delay.
+    fn history(&self) -> usize {
+        let delays = self.probes.iter().map(|probe| probe.delay);
+        delays.max().unwrap_or(0) as usize
+    }
+
+    /// The C++ expression of what a probe must be.
+    fn golden(&self, probe: &Probe) -> String {
+        format!(
+            "before<{}>(record, {}, {})",
+            type_of(probe.width),
+            probe.delay,
+            self.layout.golden[&(probe.word, probe.width)]
+        )
     }
 
     /// The C++ expression of a probe's signal in a Verilated model.
@@ -156,19 +253,17 @@ impl HarnessPlan {
             text,
             "// Generated for the unit {top}: what harness.cpp needs to know of it.\n\
              #pragma once\n\
-             #include <cstddef>\n#include <cstdint>\n\
+             #include <cstddef>\n#include <cstdint>\n#include <cstring>\n\
              #include \"V{top}.h\"\n#include \"V{top}___024root.h\"\n\n\
-             using Top = V{top};\n\
-             using Word = uint{}_t;\n",
-            self.word_bits
+             using Top = V{top};\n"
         );
         let (words, has_memory) = self
             .memory
             .as_ref()
             .map_or((0, false), |memory| (memory.words, true));
         for (kind, name, value) in [
-            ("size_t", "kRecordWords", self.record_words()),
-            ("size_t", "kRingCycles", self.ring_cycles()),
+            ("size_t", "kRecordBytes", self.record_bytes()),
+            ("size_t", "kHistory", self.history()),
             ("size_t", "kProbes", self.probes.len()),
             ("size_t", "kMemoryWords", words),
             ("int", "kResetCycles", self.reset_cycles as usize),
@@ -178,14 +273,24 @@ impl HarnessPlan {
         let _ = writeln!(text, "constexpr bool kHasMemory = {has_memory};\n");
         let _ = writeln!(
             text,
-            "// The golden words of the last cycles.\n\
-             struct GoldenWords {{\n  const Word* ring;\n  uint64_t cycle;\n  \
-             const Word* before(uint64_t cycles) const {{\n    \
-             return ring + ((cycle - cycles) % kRingCycles) * kRecordWords;\n  }}\n}};\n"
+            "// A word of the record of so many cycles before.\n\
+             template <class Word>\n\
+             inline Word before(const unsigned char* record, size_t cycles, size_t place) {{\n  \
+             Word word;\n  \
+             std::memcpy(&word, record - cycles * kRecordBytes + place, sizeof word);\n  \
+             return word;\n}}\n"
         );
-        let _ = writeln!(text, "inline void drive(Top& top, const Word* record) {{");
-        for (place, port) in self.driven.iter().enumerate() {
-            let _ = writeln!(text, "  top.{} = record[{place}];", port.name);
+        let _ = writeln!(
+            text,
+            "inline void drive(Top& top, const unsigned char* record) {{"
+        );
+        for (place, port) in self.layout.driven.iter().zip(&self.driven) {
+            let _ = writeln!(
+                text,
+                "  top.{} = before<{}>(record, 0, {place});",
+                port.name,
+                type_of(port.width)
+            );
         }
         let _ = writeln!(text, "}}\n");
         match &self.memory {
@@ -219,42 +324,32 @@ impl HarnessPlan {
     fn comparison(&self, text: &mut String) {
         let _ = writeln!(
             text,
-            "inline bool differs(const Top& top, const GoldenWords& golden) {{\n  \
-             uint64_t difference = 0;"
+            "// Differences are gathered in several words, which do not wait for each other.\n\
+             inline bool differs(const Top& top, const unsigned char* record) {{"
         );
-        let mut delays: Vec<u32> = self.probes.iter().map(|probe| probe.delay).collect();
-        delays.sort_unstable();
-        delays.dedup();
-        for delay in delays {
-            let _ = writeln!(
-                text,
-                "  {{\n    const Word* const words = golden.before({delay});"
-            );
-            for probe in self.probes.iter().filter(|probe| probe.delay == delay) {
-                let _ = writeln!(
-                    text,
-                    "    difference |= (words[{}] & {:#x}ULL) ^ {};",
-                    self.places[&probe.word],
-                    probe.mask(),
-                    self.signal(probe)
-                );
-            }
-            let _ = writeln!(text, "  }}");
+        for place in 0..GATHERED {
+            let _ = writeln!(text, "  uint64_t difference_{place} = 0;");
         }
-        let _ = writeln!(text, "  return difference != 0;\n}}\n");
-        let _ = writeln!(
-            text,
-            "inline uint64_t expected_value(const GoldenWords& golden, size_t probe) {{\n  \
-             switch (probe) {{"
-        );
         for (place, probe) in self.probes.iter().enumerate() {
             let _ = writeln!(
                 text,
-                "    case {place}: return golden.before({})[{}] & {:#x}ULL;",
-                probe.delay,
-                self.places[&probe.word],
-                probe.mask()
+                "  difference_{} |= static_cast<uint64_t>({} ^ {});",
+                place % GATHERED,
+                self.golden(probe),
+                self.signal(probe)
             );
+        }
+        let all: Vec<String> = (0..GATHERED)
+            .map(|place| format!("difference_{place}"))
+            .collect();
+        let _ = writeln!(text, "  return ({}) != 0;\n}}\n", all.join(" | "));
+        let _ = writeln!(
+            text,
+            "inline uint64_t expected_value(const unsigned char* record, size_t probe) {{\n  \
+             switch (probe) {{"
+        );
+        for (place, probe) in self.probes.iter().enumerate() {
+            let _ = writeln!(text, "    case {place}: return {};", self.golden(probe));
         }
         let _ = writeln!(text, "    default: return 0;\n  }}\n}}\n");
         let _ = writeln!(
@@ -265,5 +360,62 @@ impl HarnessPlan {
             let _ = writeln!(text, "    case {place}: return {};", self.signal(probe));
         }
         let _ = writeln!(text, "    default: return 0;\n  }}\n}}");
+    }
+}
+
+/// Words in which a comparison gathers differences.
+const GATHERED: usize = 4;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::netlist::Meaning;
+
+    fn probe(word: usize, width: u32, delay: u32) -> Probe {
+        Probe {
+            scope: vec!["unit".to_owned()],
+            name: format!("word_{word}_of_{width}"),
+            width,
+            meaning: Meaning::Bits,
+            word,
+            delay,
+            sources: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_record_holds_each_word_in_the_bytes_of_its_signal() {
+        let port = |name: &str, width| DrivenPort {
+            name: name.to_owned(),
+            width,
+        };
+        let driven = [port("valid_i", 1), port("id_i", 20)];
+        // Two registers of one value send it once; a narrower view of it is a word of its own.
+        let probes = [
+            probe(1, 33, 0),
+            probe(0, 1, 1),
+            probe(2, 12, 0),
+            probe(2, 12, 5),
+            probe(2, 8, 2),
+        ];
+        let layout = RecordLayout::new(&driven, &probes);
+        assert_eq!(layout.bytes, 24);
+        let mut record = vec![0; layout.bytes];
+        let golden = [1, 0xffff_fff6_5432_1098, 0xffff_ffff_ffff_fedc];
+        layout.pack(&mut record, &[1, 0xabcde], &golden);
+        let word = |place: usize, bytes: usize| {
+            let bytes = record[place..place + bytes].iter().rev();
+            bytes.fold(0_u64, |word, &byte| word << 8 | u64::from(byte))
+        };
+        assert_eq!(word(layout.golden[&(1, 33)], 8), 0x0_5432_1098);
+        assert_eq!(word(layout.driven[1], 4), 0xabcde);
+        assert_eq!(word(layout.golden[&(2, 12)], 2), 0xedc);
+        assert_eq!(word(layout.driven[0], 1), 1);
+        assert_eq!(word(layout.golden[&(0, 1)], 1), 1);
+        assert_eq!(word(layout.golden[&(2, 8)], 1), 0xdc);
+        // Aligned, with nothing over another, and nothing but zeros behind them.
+        assert_eq!(layout.golden[&(1, 33)], 0);
+        assert_eq!(layout.driven, [14, 8]);
+        assert!(record[17..].iter().all(|&byte| byte == 0));
     }
 }

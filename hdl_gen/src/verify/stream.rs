@@ -4,13 +4,13 @@ use super::divergence::{Comparison, Divergence};
 use super::embedded::DIVERGENT_CYCLES;
 use super::icarus::{Icarus, IcarusError};
 use super::record::HarnessPlan;
-use super::verilator::{TraceWindow, Verilator, VerilatorError, run_harness};
+use super::verilator::{RecordStream, TraceWindow, Verilator, VerilatorError, run_harness};
 use crate::netlist::Module;
 use crate::simulate::{SimulateError, Simulator};
 use crate::units::Probe;
 use crate::vectors::{Field, FieldFormat, Role, VectorSet};
 use rtl_model::machine::{StallPattern, StreamMachine};
-use std::io::{self, Write};
+use std::io;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -159,14 +159,11 @@ impl StreamRun<'_> {
             &plan,
             None,
             window,
-            |output: &mut dyn Write| -> io::Result<()> {
-                let mut record = Vec::new();
+            |records: &mut RecordStream<'_>| -> io::Result<()> {
                 let mut outcome = Ok(());
                 let mut left = 0_u64;
                 self.golden(|driven, words| {
-                    record.clear();
-                    plan.append_record(&mut record, driven, words);
-                    if let Err(problem) = output.write_all(&record) {
+                    if let Err(problem) = records.send(driven, words) {
                         outcome = Err(problem);
                         return ControlFlow::Break(());
                     }

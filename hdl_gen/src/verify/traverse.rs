@@ -3,12 +3,12 @@
 use super::divergence::Comparison;
 use super::golden::GoldenRun;
 use super::record::{HarnessPlan, MemoryPorts};
-use super::verilator::{TraceWindow, Verilator, VerilatorError, run_harness};
+use super::verilator::{RecordStream, TraceWindow, Verilator, VerilatorError, run_harness};
 use crate::units::TraverseUnit;
 use rtl_model::machine::CycleInputs;
 use rtl_model::readings::HasFormat;
 use std::fmt::Debug;
-use std::io::{self, Write};
+use std::io;
 use std::ops::ControlFlow;
 
 /// The words for the ports driven, in the order of [`TraverseUnit::driven_ports`].
@@ -60,13 +60,10 @@ pub fn run_verilator<H: HasFormat + Debug>(
     let program = verilator.build(&unit.design, &plan, window.is_some())?;
     let mut guards = 0;
     let mut rays: u64 = 0;
-    let stream = |output: &mut dyn Write| -> io::Result<()> {
-        let mut record = Vec::with_capacity(8 * plan.record_words());
+    let stream = |records: &mut RecordStream<'_>| -> io::Result<()> {
         let mut outcome = Ok(());
         run.run(format, |inputs, outputs, words| {
-            record.clear();
-            plan.append_record(&mut record, &driven_words(inputs), &words.0);
-            if let Err(problem) = output.write_all(&record) {
+            if let Err(problem) = records.send(&driven_words(inputs), &words.0) {
                 outcome = Err(problem);
                 return ControlFlow::Break(());
             }

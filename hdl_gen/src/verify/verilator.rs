@@ -13,7 +13,7 @@ use std::ffi::OsString;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{ChildStdin, Command, Stdio};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -312,21 +312,46 @@ pub struct TraceWindow {
     pub last: u64,
 }
 
-/// Bytes handed to a harness at a time: a few hundred records.
-const BLOCK_BYTES: usize = 1 << 18;
+/// Bytes handed to a harness at a time: some hundred records.
+const BLOCK_BYTES: usize = 1 << 16;
+
+/// The records on their way to a harness.
+pub struct RecordStream<'a> {
+    plan: &'a HarnessPlan,
+    block: Vec<u8>,
+    output: ChildStdin,
+}
+
+impl RecordStream<'_> {
+    /// Sends a cycle: the words for the driven ports, and the golden words.
+    ///
+    /// # Errors
+    /// If the harness has hung up, as it does after enough divergent cycles: end the run then.
+    pub fn send(&mut self, driven: &[u64], golden: &[u64]) -> io::Result<()> {
+        self.plan.append_record(&mut self.block, driven, golden);
+        match self.block.len() < BLOCK_BYTES {
+            true => Ok(()),
+            false => self.flush(),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let outcome = self.output.write_all(&self.block);
+        self.block.clear();
+        outcome
+    }
+}
 
 /// Makes a pipe hold several blocks, so that golden model and hardware seldom wait for each other.
 /// Where the system allows less the run is slower, and the same.
-fn widen(pipe: &std::process::ChildStdin) {
+fn widen(pipe: &ChildStdin) {
     #[cfg(target_os = "linux")]
-    let _ = rustix::pipe::fcntl_setpipe_size(pipe, 4 * BLOCK_BYTES);
+    let _ = rustix::pipe::fcntl_setpipe_size(pipe, 8 * BLOCK_BYTES);
     #[cfg(not(target_os = "linux"))]
     let _ = pipe;
 }
 
-/// Runs a compiled harness. `golden` writes the records, each made by
-/// [`HarnessPlan::append_record`]; it should end when writing fails, for the harness hangs up
-/// after enough divergent cycles.
+/// Runs a compiled harness. `golden` sends the cycles.
 ///
 /// # Errors
 /// If the harness cannot be run or reports a failure.
@@ -335,7 +360,7 @@ pub fn run_harness(
     plan: &HarnessPlan,
     memory: Option<&[u16]>,
     window: Option<&TraceWindow>,
-    golden: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    golden: impl FnOnce(&mut RecordStream<'_>) -> io::Result<()>,
 ) -> Result<Comparison, VerilatorError> {
     let failed = |problem: io::Error| VerilatorError::Harness(problem.to_string());
     let mut command = Command::new(program);
@@ -363,17 +388,19 @@ pub fn run_harness(
         .stderr(Stdio::piped());
     let mut child = command.spawn().map_err(failed)?;
     {
-        let stdin = child.stdin.take().expect("a piped standard input");
-        widen(&stdin);
-        let mut stream = io::BufWriter::with_capacity(BLOCK_BYTES, stdin);
+        let output = child.stdin.take().expect("a piped standard input");
+        widen(&output);
+        let mut stream = RecordStream {
+            plan,
+            block: Vec::with_capacity(BLOCK_BYTES + plan.record_bytes()),
+            output,
+        };
         match golden(&mut stream).and_then(|()| stream.flush()) {
             Err(problem) if problem.kind() != io::ErrorKind::BrokenPipe => {
                 return Err(failed(problem));
             }
             _ => {}
         }
-        // What is left in the buffer of a harness that hung up is of no interest.
-        let _ = stream.into_parts();
     }
     let output = child.wait_with_output().map_err(failed)?;
     if !output.status.success() {

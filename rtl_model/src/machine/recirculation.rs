@@ -14,7 +14,7 @@ use std::collections::VecDeque;
 use crate::maps::Pyramid;
 use crate::ray::Ray;
 use crate::readings::{Traced, Word};
-use crate::units::step::{Register, Signal, Step};
+use crate::units::step::{Named, Register, Signal, Step};
 
 /// Bits of the id that travels with a ray: the pixels of a frame of up to 1024 x 1024.
 pub const ID_BITS: u32 = 20;
@@ -87,21 +87,23 @@ pub struct UnitLatency {
 }
 
 /// The traverse unit of a map, in a number format.
+///
+/// After [`TraverseMachine::new`] nothing is allocated: what enters a pipeline takes over the
+/// buffers of what left it.
 #[derive(Debug)]
 pub struct TraverseMachine<'a, R: Word, S: Step> {
-    traced: Traced<R>,
-    step: S,
-    ray_ports: Vec<Register>,
+    datapath: Datapath<'a, R, S>,
     /// Registers that a ray carries unchanged.
     unchanged: usize,
     hit: usize,
     guard: usize,
-    memory: Cow<'a, [u16]>,
     /// Stages 0 to `latency.step`, as a ring; `first` is stage 0.
     stages: Vec<StageEntry<R>>,
     first: usize,
     /// Stages 1 to `latency.setup`, the first in front.
     setup: VecDeque<SetupEntry<R>>,
+    /// The words of a setup by wires: nobody asks for them.
+    setup_by_wires: Vec<u64>,
     cycle: u64,
 }
 
@@ -113,26 +115,22 @@ impl<'a, R: Word, S: Step> TraverseMachine<'a, R, S> {
     /// four ray ports: no loop is built for such.
     pub fn new(reading: R, step: S, pyramid: &'a Pyramid, latency: UnitLatency) -> Self {
         assert_eq!(step.height_ports().len(), 1, "a height a step");
-        assert_eq!(step.ray_ports().len(), 4, "a ray's ports");
+        let ray_ports = step.ray_ports();
         let walk_registers = step.walk_registers();
         let place = |wanted: &str| {
             let mut names = walk_registers.iter().map(|&(name, _)| name);
             names.position(|name| name == wanted).expect(wanted)
         };
-        let mut machine = TraverseMachine {
+        let (hit, guard) = (place("hit"), place("guard"));
+        let unchanged = step.ray_registers().len();
+        let mut datapath = Datapath {
             traced: Traced {
                 reading,
                 words: Vec::new(),
             },
-            ray_ports: step.ray_ports(),
-            unchanged: step.ray_registers().len(),
-            hit: place("hit"),
-            guard: place("guard"),
+            ray_ports: ray_ports.try_into().expect("a ray's four ports"),
             memory: step.memory(pyramid),
-            stages: Vec::new(),
-            first: 0,
-            setup: VecDeque::new(),
-            cycle: 0,
+            answer: Vec::new(),
             step,
         };
         let idle = Ray {
@@ -141,16 +139,43 @@ impl<'a, R: Word, S: Step> TraverseMachine<'a, R, S> {
             du: 0,
             dv: 0,
         };
-        for _ in 0..latency.setup {
-            let entry = machine.set_up(false, 0, idle);
-            machine.setup.push_back(entry);
+        let mut setup_by_wires = Vec::new();
+        let setup = (0..latency.setup).map(|_| {
+            let mut entry = SetupEntry {
+                valid: false,
+                id: 0,
+                inputs: [0; 4],
+                words: Vec::new(),
+                registers: Vec::new(),
+            };
+            datapath.set_up(idle, &mut entry.words, &mut entry.registers);
+            entry
+        });
+        let setup = setup.collect();
+        let stages = (0..=latency.step).map(|_| {
+            let mut entry = StageEntry {
+                valid: false,
+                id: 0,
+                inputs: Vec::new(),
+                words: Vec::new(),
+                registers: Vec::new(),
+                next_walk: Vec::new(),
+            };
+            datapath.set_up(idle, &mut setup_by_wires, &mut entry.registers);
+            datapath.enter(&mut entry);
+            entry
+        });
+        TraverseMachine {
+            stages: stages.collect(),
+            datapath,
+            unchanged,
+            hit,
+            guard,
+            first: 0,
+            setup,
+            setup_by_wires,
+            cycle: 0,
         }
-        for _ in 0..=latency.step {
-            let registers = machine.set_up(false, 0, idle).registers;
-            let entry = machine.enter(false, 0, registers);
-            machine.stages.push(entry);
-        }
-        machine
     }
 
     /// Cycles since reset.
@@ -187,74 +212,103 @@ impl<'a, R: Word, S: Step> TraverseMachine<'a, R, S> {
     pub fn clock(&mut self, inputs: &CycleInputs) {
         let outputs = self.outputs(inputs);
         let slot = self.last();
-        let last = &mut self.stages[slot];
-        let has_gap = !last.valid || outputs.hit_valid && inputs.hit_ready;
-        // The words of the slot that falls free hold the next ones.
-        let words = std::mem::take(&mut last.words);
-        let (valid, id) = (last.valid, last.id);
-        let mut round_again = std::mem::take(&mut last.registers);
-        round_again.truncate(self.unchanged);
-        round_again.append(&mut last.next_walk);
-
-        let arrives = outputs.ray_ready.then(|| {
-            let id = inputs.ray_id;
-            self.set_up(inputs.ray_valid, id, inputs.ray)
-        });
-        // What reaches the end of the setup, if that advances.
-        let ready = match (arrives, self.setup.is_empty()) {
-            (arrives, true) => arrives,
-            (None, false) => None,
-            (Some(arrives), false) => {
-                self.setup.push_front(arrives);
-                self.setup.pop_back()
+        // The slot that falls free holds what enters.
+        let entry = &mut self.stages[slot];
+        let has_gap = !entry.valid || outputs.hit_valid && inputs.hit_ready;
+        if !has_gap {
+            entry.registers.truncate(self.unchanged);
+            entry.registers.extend_from_slice(&entry.next_walk);
+        }
+        if outputs.ray_ready {
+            match self.setup.pop_back() {
+                // By wires, what is taken enters at once; it is taken into a gap only.
+                None => {
+                    (entry.valid, entry.id) = (inputs.ray_valid, inputs.ray_id);
+                    let words = &mut self.setup_by_wires;
+                    self.datapath
+                        .set_up(inputs.ray, words, &mut entry.registers);
+                }
+                Some(mut ready) => {
+                    // Without a gap the setup advances over an empty last stage of its own.
+                    if has_gap {
+                        (entry.valid, entry.id) = (ready.valid, ready.id);
+                        std::mem::swap(&mut entry.registers, &mut ready.registers);
+                    }
+                    (ready.valid, ready.id) = (inputs.ray_valid, inputs.ray_id);
+                    let ray = inputs.ray;
+                    ready.inputs = [ray.u, ray.v, ray.du, ray.dv];
+                    self.datapath
+                        .set_up(ray, &mut ready.words, &mut ready.registers);
+                    self.setup.push_front(ready);
+                }
             }
-        };
-        self.traced.words = words;
-        self.stages[slot] = match ready {
-            Some(new) if has_gap => self.enter(new.valid, new.id, new.registers),
-            // Without a gap the setup advances over an empty last stage of its own.
-            _ => self.enter(valid, id, round_again),
-        };
+        }
+        self.datapath.enter(entry);
         self.first = slot;
         self.cycle += 1;
     }
 
     fn last(&self) -> usize {
-        (self.first + self.stages.len() - 1) % self.stages.len()
+        match self.first {
+            0 => self.stages.len() - 1,
+            first => first - 1,
+        }
     }
+}
 
-    fn set_up(&mut self, valid: bool, id: u32, ray: Ray<u64>) -> SetupEntry<R> {
+/// What computes: setup, step and memory.
+#[derive(Debug)]
+struct Datapath<'a, R: Word, S: Step> {
+    traced: Traced<R>,
+    step: S,
+    ray_ports: [Register; 4],
+    memory: Cow<'a, [u16]>,
+    /// What the hit would be; the probes have it from the words.
+    answer: Vec<Named<Traced<R>>>,
+}
+
+impl<R: Word, S: Step> Datapath<'_, R, S> {
+    /// Sets a ray up: its registers, and the result of every operation.
+    fn set_up(
+        &mut self,
+        ray: Ray<u64>,
+        words: &mut Vec<u64>,
+        registers: &mut Vec<Signal<Traced<R>>>,
+    ) {
         let inputs = [ray.u, ray.v, ray.du, ray.dv];
-        let ports = self.ray_ports.iter().zip(inputs);
-        let signals: Vec<Signal<Traced<R>>> = ports
-            .map(|(&(_, kind), word)| Signal::of_word(&self.traced, kind, word))
-            .collect();
-        self.traced.words.clear();
-        let registers = self.step.set_up(&mut self.traced, &signals);
-        SetupEntry {
-            valid,
-            id,
-            inputs,
-            words: std::mem::take(&mut self.traced.words),
-            registers,
-        }
+        let signal = |port: usize| {
+            let (_, kind) = self.ray_ports[port];
+            Signal::of_word(&self.traced, kind, inputs[port])
+        };
+        let signals = [0, 1, 2, 3].map(signal);
+        words.clear();
+        registers.clear();
+        std::mem::swap(&mut self.traced.words, words);
+        self.step.set_up_into(&mut self.traced, &signals, registers);
+        std::mem::swap(&mut self.traced.words, words);
     }
 
-    /// Evaluates the step of what enters the pipeline.
-    fn enter(&mut self, valid: bool, id: u32, registers: Vec<Signal<Traced<R>>>) -> StageEntry<R> {
-        let inputs = registers.iter().map(|signal| signal.word(&self.traced));
-        let inputs = inputs.collect();
-        self.traced.words.clear();
-        let address = self.step.address(&mut self.traced, &registers);
+    /// Evaluates the step on the registers of what enters the pipeline.
+    fn enter(&mut self, entry: &mut StageEntry<R>) {
+        let words = entry
+            .registers
+            .iter()
+            .map(|signal| signal.word(&self.traced));
+        entry.inputs.clear();
+        entry.inputs.extend(words);
+        entry.words.clear();
+        entry.next_walk.clear();
+        self.answer.clear();
+        std::mem::swap(&mut self.traced.words, &mut entry.words);
+        let address = self.step.address(&mut self.traced, &entry.registers);
         let height = i64::from(self.memory[address as usize]);
-        let (next_walk, _) = self.step.step(&mut self.traced, &registers, &[height]);
-        StageEntry {
-            valid,
-            id,
-            inputs,
-            words: std::mem::take(&mut self.traced.words),
-            registers,
-            next_walk,
-        }
+        self.step.step_into(
+            &mut self.traced,
+            &entry.registers,
+            &[height],
+            &mut entry.next_walk,
+            &mut self.answer,
+        );
+        std::mem::swap(&mut self.traced.words, &mut entry.words);
     }
 }

@@ -149,18 +149,20 @@ impl Step for AnyStep {
     fn enter<R: NumberFormat>(&self, reading: &mut R, ray: Ray<f64>) -> Vec<Signal<R>> {
         of_any!(self, step => step.enter(reading, ray))
     }
-    fn set_up<A: Arith>(&self, a: &mut A, ray: &[Signal<A>]) -> Vec<Signal<A>> {
-        of_any!(self, step => step.set_up(a, ray))
+    fn set_up_into<A: Arith>(&self, a: &mut A, ray: &[Signal<A>], registers: &mut Vec<Signal<A>>) {
+        of_any!(self, step => step.set_up_into(a, ray, registers));
     }
     fn address<A: Arith>(&self, a: &mut A, registers: &[Signal<A>]) -> A::Int {
         of_any!(self, step => step.address(a, registers))
     }
-    fn step<A: Arith>(
+    fn step_into<A: Arith>(
         &self,
         a: &mut A,
         registers: &[Signal<A>],
         heights: &[A::Int],
-    ) -> (Vec<Signal<A>>, Vec<Named<A>>) {
-        of_any!(self, step => step.step(a, registers, heights))
+        next_walk: &mut Vec<Signal<A>>,
+        answer: &mut Vec<Named<A>>,
+    ) {
+        of_any!(self, step => step.step_into(a, registers, heights, next_walk, answer));
     }
 }

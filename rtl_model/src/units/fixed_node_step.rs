@@ -131,16 +131,15 @@ impl Step for FixedStep {
         [ray.u, ray.v, ray.du, ray.dv].map(Signal::Integer).to_vec()
     }
 
-    fn set_up<A: Arith>(&self, a: &mut A, ray: &[Signal<A>]) -> Vec<Signal<A>> {
+    fn set_up_into<A: Arith>(&self, a: &mut A, ray: &[Signal<A>], registers: &mut Vec<Signal<A>>) {
         let &[u, v, du, dv] = ray else {
             panic!("{} ray ports", ray.len());
         };
         let [u, v, du, dv] = [u, v, du, dv].map(Signal::integer);
         let setup = fixed_setup(a, self.shape(), self.policy.start, u, v, du, dv);
         let walk = fixed_walk_start(a, self.policy, &setup);
-        let mut registers = ray_row(&setup.ray);
-        registers.extend(walk_row(&walk));
-        registers
+        registers.extend(ray_row(&setup.ray));
+        walk_row(&walk, registers);
     }
 
     fn address<A: Arith>(&self, a: &mut A, registers: &[Signal<A>]) -> A::Int {
@@ -148,25 +147,24 @@ impl Step for FixedStep {
         fixed_node_address(a, self.shape(), &ray, &walk)
     }
 
-    fn step<A: Arith>(
+    fn step_into<A: Arith>(
         &self,
         a: &mut A,
         registers: &[Signal<A>],
         heights: &[A::Int],
-    ) -> (Vec<Signal<A>>, Vec<Named<A>>) {
+        next_walk: &mut Vec<Signal<A>>,
+        answer: &mut Vec<Named<A>>,
+    ) {
         let (ray, walk) = self.registers(registers);
-        let (walk, answer) = fixed_step(a, self.shape(), self.policy, &ray, &walk, heights[0]);
-        let answer = vec![
-            ("texel_i", Signal::Integer(answer.texel_i)),
-            ("texel_j", Signal::Integer(answer.texel_j)),
-            ("side", Signal::Bit(answer.side)),
-            ("depth_numerator", Signal::Integer(answer.depth_numerator)),
-            (
-                "depth_denominator",
-                Signal::Integer(answer.depth_denominator),
-            ),
-        ];
-        (walk_row(&walk), answer)
+        let (walk, hit) = fixed_step(a, self.shape(), self.policy, &ray, &walk, heights[0]);
+        answer.extend([
+            ("texel_i", Signal::Integer(hit.texel_i)),
+            ("texel_j", Signal::Integer(hit.texel_j)),
+            ("side", Signal::Bit(hit.side)),
+            ("depth_numerator", Signal::Integer(hit.depth_numerator)),
+            ("depth_denominator", Signal::Integer(hit.depth_denominator)),
+        ]);
+        walk_row(&walk, next_walk);
     }
 }
 
@@ -205,8 +203,8 @@ impl FixedStep {
     }
 }
 
-fn ray_row<A: Arith>(ray: &FixedRayRegisters<A>) -> Vec<Signal<A>> {
-    vec![
+fn ray_row<A: Arith>(ray: &FixedRayRegisters<A>) -> [Signal<A>; 6] {
+    [
         Signal::Integer(ray.u),
         Signal::Integer(ray.v),
         Signal::Integer(ray.slope_u),
@@ -216,8 +214,8 @@ fn ray_row<A: Arith>(ray: &FixedRayRegisters<A>) -> Vec<Signal<A>> {
     ]
 }
 
-fn walk_row<A: Arith>(walk: &FixedWalkRegisters<A>) -> Vec<Signal<A>> {
-    let mut row = vec![
+fn walk_row<A: Arith>(walk: &FixedWalkRegisters<A>, row: &mut Vec<Signal<A>>) {
+    row.extend([
         Signal::Integer(walk.level),
         Signal::Integer(walk.i),
         Signal::Integer(walk.j),
@@ -225,7 +223,7 @@ fn walk_row<A: Arith>(walk: &FixedWalkRegisters<A>) -> Vec<Signal<A>> {
         Signal::Integer(walk.depth),
         Signal::Bit(walk.at_border_u),
         Signal::Bit(walk.at_border_v),
-    ];
+    ]);
     row.extend(walk.at_midline.map(Signal::Bit));
     row.extend(walk.crossed_before.map(Signal::Bit));
     row.extend([
@@ -234,5 +232,4 @@ fn walk_row<A: Arith>(walk: &FixedWalkRegisters<A>) -> Vec<Signal<A>> {
         Signal::Bit(walk.hit),
         Signal::Bit(walk.guard),
     ]);
-    row
 }

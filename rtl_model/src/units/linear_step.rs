@@ -23,6 +23,9 @@ pub struct LinearStep {
 /// Bits of the register that counts crossings, of which a sampling method has none.
 const CROSSING_BITS: u32 = 2;
 
+/// How many registers a ray carries unchanged.
+const RAY_REGISTERS: usize = 7;
+
 impl LinearStep {
     /// Bits of a texel index, signed.
     fn texel_bits(self) -> u32 {
@@ -57,8 +60,8 @@ impl LinearStep {
         }
     }
 
-    fn relief_signals<A: Arith>(walk: &ReliefWalk<A>, crossings: A::Int) -> Vec<Signal<A>> {
-        vec![
+    fn relief_signals<A: Arith>(walk: &ReliefWalk<A>, crossings: A::Int) -> [Signal<A>; 12] {
+        [
             Signal::Number(walk.t),
             Signal::Integer(walk.texel_i),
             Signal::Integer(walk.texel_j),
@@ -88,8 +91,8 @@ impl LinearStep {
         }
     }
 
-    fn pom_signals<A: Arith>(walk: &PomWalk<A>, crossings: A::Int) -> Vec<Signal<A>> {
-        vec![
+    fn pom_signals<A: Arith>(walk: &PomWalk<A>, crossings: A::Int) -> [Signal<A>; 10] {
+        [
             Signal::Number(walk.t),
             Signal::Integer(walk.texel_i),
             Signal::Integer(walk.texel_j),
@@ -210,59 +213,60 @@ impl Step for LinearStep {
         ports
     }
 
-    fn set_up<A: Arith>(&self, a: &mut A, ray: &[Signal<A>]) -> Vec<Signal<A>> {
+    fn set_up_into<A: Arith>(&self, a: &mut A, ray: &[Signal<A>], registers: &mut Vec<Signal<A>>) {
         let ports = Self::ray(ray);
         let crossings = a.int_constant(0);
-        let walk = match self.search {
+        registers.extend_from_slice(ray);
+        match self.search {
             LinearSearch::Pom => {
                 let walk = pom_start(a, self.shape, &ports);
-                Self::pom_signals(&walk, crossings)
+                registers.extend(Self::pom_signals(&walk, crossings));
             }
             LinearSearch::Relief | LinearSearch::Dig => {
                 let walk = relief_start(a, self.shape, &ports);
-                Self::relief_signals(&walk, crossings)
+                registers.extend(Self::relief_signals(&walk, crossings));
             }
-        };
-        ray.iter().copied().chain(walk).collect()
+        }
     }
 
     fn address<A: Arith>(&self, a: &mut A, registers: &[Signal<A>]) -> A::Int {
-        let walk = &registers[self.ray_registers().len()..];
+        let walk = &registers[RAY_REGISTERS..];
         texel_address(a, self.shape, walk[1].integer(), walk[2].integer())
     }
 
-    fn step<A: Arith>(
+    fn step_into<A: Arith>(
         &self,
         a: &mut A,
         registers: &[Signal<A>],
         heights: &[A::Int],
-    ) -> (Vec<Signal<A>>, Vec<Named<A>>) {
-        let (ray, walk) = registers.split_at(self.ray_registers().len());
+        next_walk: &mut Vec<Signal<A>>,
+        answer: &mut Vec<Named<A>>,
+    ) {
+        let (ray, walk) = registers.split_at(RAY_REGISTERS);
         let ray = Self::ray(ray);
-        let (walk, texel_i, texel_j, position_u, position_v) = match self.search {
+        let (texel_i, texel_j, position_u, position_v) = match self.search {
             LinearSearch::Pom => {
                 let crossings = walk[7].integer();
                 let walk = Self::pom_walk(walk);
                 let result = pom_step(a, self.shape, &ray, &walk, heights[0]);
                 let (i, j) = (result.walk.texel_i, result.walk.texel_j);
-                let signals = Self::pom_signals(&result.walk, crossings);
-                (signals, i, j, result.position_u, result.position_v)
+                next_walk.extend(Self::pom_signals(&result.walk, crossings));
+                (i, j, result.position_u, result.position_v)
             }
             LinearSearch::Relief | LinearSearch::Dig => {
                 let crossings = walk[9].integer();
                 let walk = Self::relief_walk(walk);
                 let result = relief_step(a, self.shape, &ray, &walk, heights[0]);
                 let (i, j) = (result.walk.texel_i, result.walk.texel_j);
-                let signals = Self::relief_signals(&result.walk, crossings);
-                (signals, i, j, result.position_u, result.position_v)
+                next_walk.extend(Self::relief_signals(&result.walk, crossings));
+                (i, j, result.position_u, result.position_v)
             }
         };
-        let answer = vec![
+        answer.extend([
             ("position_u", Signal::Number(position_u)),
             ("position_v", Signal::Number(position_v)),
             ("texel_i", Signal::Integer(texel_i)),
             ("texel_j", Signal::Integer(texel_j)),
-        ];
-        (walk, answer)
+        ]);
     }
 }

@@ -78,9 +78,8 @@ impl NodeStep {
         (ray, walk)
     }
 
-    fn walk_row<A: Arith>(&self, walk: &WalkRegisters<A>) -> Vec<Signal<A>> {
+    fn walk_row<A: Arith>(&self, walk: &WalkRegisters<A>, row: &mut Vec<Signal<A>>) {
         let flat = self.policy.is_flat();
-        let mut row = Vec::new();
         if !flat {
             row.push(Signal::Integer(walk.level));
         }
@@ -96,11 +95,10 @@ impl NodeStep {
         row.extend(walk.crossed_before.map(Signal::Bit));
         row.extend([walk.steps, walk.crossings].map(Signal::Integer));
         row.extend([walk.hit, walk.guard].map(Signal::Bit));
-        row
     }
 }
 
-fn ray_row<A: Arith>(ray: &RayRegisters<A>) -> Vec<Signal<A>> {
+fn ray_row<A: Arith>(ray: &RayRegisters<A>, row: &mut Vec<Signal<A>>) {
     let numbers = [
         ray.u,
         ray.v,
@@ -109,9 +107,8 @@ fn ray_row<A: Arith>(ray: &RayRegisters<A>) -> Vec<Signal<A>> {
         ray.exact_below_u,
         ray.exact_below_v,
     ];
-    let mut row = numbers.map(Signal::Number).to_vec();
+    row.extend(numbers.map(Signal::Number));
     row.extend([ray.mirror_u, ray.mirror_v].map(Signal::Bit));
-    row
 }
 
 impl Step for NodeStep {
@@ -187,13 +184,12 @@ impl Step for NodeStep {
         self.shape.step_bound(self.policy)
     }
 
-    fn set_up<A: Arith>(&self, a: &mut A, ray: &[Signal<A>]) -> Vec<Signal<A>> {
+    fn set_up_into<A: Arith>(&self, a: &mut A, ray: &[Signal<A>], registers: &mut Vec<Signal<A>>) {
         let [u, v, du, dv] = [0, 1, 2, 3].map(|port| ray[port].number());
         let setup = traverse_setup(a, self.shape, self.policy, u, v, du, dv);
         let walk = walk_start(a, self.policy, &setup);
-        let mut row = ray_row(&setup.ray);
-        row.extend(self.walk_row(&walk));
-        row
+        ray_row(&setup.ray, registers);
+        self.walk_row(&walk, registers);
     }
 
     fn address<A: Arith>(&self, a: &mut A, registers: &[Signal<A>]) -> A::Int {
@@ -203,21 +199,23 @@ impl Step for NodeStep {
 
     /// The walk registers after the step, then `position_u`, `position_v`, `texel_i` and `texel_j`;
     /// the depth of the hit is the register `t`.
-    fn step<A: Arith>(
+    fn step_into<A: Arith>(
         &self,
         a: &mut A,
         registers: &[Signal<A>],
         heights: &[A::Int],
-    ) -> (Vec<Signal<A>>, Vec<Named<A>>) {
+        next_walk: &mut Vec<Signal<A>>,
+        answer: &mut Vec<Named<A>>,
+    ) {
         let (ray, walk) = self.registers(a, registers);
         let result = traverse_step(a, self.shape, self.policy, &ray, &walk, heights[0]);
-        let outputs = vec![
+        answer.extend([
             ("position_u", Signal::Number(result.position_u)),
             ("position_v", Signal::Number(result.position_v)),
             ("texel_i", Signal::Integer(result.texel_i)),
             ("texel_j", Signal::Integer(result.texel_j)),
-        ];
-        (self.walk_row(&result.walk), outputs)
+        ]);
+        self.walk_row(&result.walk, next_walk);
     }
 }
 

@@ -14,6 +14,9 @@ pub struct OffsetNodeStep {
     pub shape: OffsetShape,
 }
 
+/// How many registers a ray carries unchanged.
+const RAY_REGISTERS: usize = 5;
+
 impl OffsetNodeStep {
     fn ray<A: Arith>(ray: &[Signal<A>]) -> OffsetRay<A> {
         OffsetRay {
@@ -39,8 +42,8 @@ impl OffsetNodeStep {
         }
     }
 
-    fn signals<A: Arith>(walk: &OffsetWalk<A>) -> Vec<Signal<A>> {
-        vec![
+    fn signals<A: Arith>(walk: &OffsetWalk<A>) -> [Signal<A>; 9] {
+        [
             Signal::Integer(walk.level),
             Signal::Integer(walk.i),
             Signal::Integer(walk.j),
@@ -116,36 +119,35 @@ impl Step for OffsetNodeStep {
         self.shape.step_bound()
     }
 
-    fn set_up<A: Arith>(&self, a: &mut A, ray: &[Signal<A>]) -> Vec<Signal<A>> {
+    fn set_up_into<A: Arith>(&self, a: &mut A, ray: &[Signal<A>], registers: &mut Vec<Signal<A>>) {
         let ports = [0, 1, 2, 3].map(|port| ray[port].number());
         let (ray, walk) = offset_setup(a, self.shape, ports);
-        let mut registers = [ray.u, ray.v, ray.du, ray.dv, ray.offset]
-            .map(Signal::Number)
-            .to_vec();
+        registers.extend([ray.u, ray.v, ray.du, ray.dv, ray.offset].map(Signal::Number));
         registers.extend(Self::signals(&walk));
-        registers
     }
 
     fn address<A: Arith>(&self, a: &mut A, registers: &[Signal<A>]) -> A::Int {
-        let walk = &registers[self.ray_registers().len()..];
+        let walk = &registers[RAY_REGISTERS..];
         offset_address(a, self.shape, &Self::walk(walk))
     }
 
-    fn step<A: Arith>(
+    fn step_into<A: Arith>(
         &self,
         a: &mut A,
         registers: &[Signal<A>],
         heights: &[A::Int],
-    ) -> (Vec<Signal<A>>, Vec<Named<A>>) {
-        let (ray, walk) = registers.split_at(self.ray_registers().len());
+        next_walk: &mut Vec<Signal<A>>,
+        answer: &mut Vec<Named<A>>,
+    ) {
+        let (ray, walk) = registers.split_at(RAY_REGISTERS);
         let (ray, walk) = (Self::ray(ray), Self::walk(walk));
         let result = offset_step(a, self.shape, &ray, &walk, heights[0]);
-        let answer = vec![
+        answer.extend([
             ("position_u", Signal::Number(result.position_u)),
             ("position_v", Signal::Number(result.position_v)),
             ("texel_i", Signal::Integer(result.texel_i)),
             ("texel_j", Signal::Integer(result.texel_j)),
-        ];
-        (Self::signals(&result.walk), answer)
+        ]);
+        next_walk.extend(Self::signals(&result.walk));
     }
 }

@@ -141,16 +141,36 @@ pub trait Step {
         [ray.u, ray.v, ray.du, ray.dv].map(Signal::Number).to_vec()
     }
 
-    /// A ray set up: ray registers, then walk registers, in their declared order.
-    fn set_up<A: Arith>(&self, a: &mut A, ray: &[Signal<A>]) -> Vec<Signal<A>>;
+    /// Sets a ray up: appends ray registers, then walk registers, in their declared order.
+    fn set_up_into<A: Arith>(&self, a: &mut A, ray: &[Signal<A>], registers: &mut Vec<Signal<A>>);
     /// The address the memory is asked for, unsigned; `registers` are ray and walk registers.
     fn address<A: Arith>(&self, a: &mut A, registers: &[Signal<A>]) -> A::Int;
-    /// One step: the walk registers after it, in their declared order, and what the hit would be
-    /// (`texel_i`, `texel_j`, depth and position), named.
+    /// One step: appends the walk registers after it, in their declared order, to `next_walk`, and
+    /// what the hit would be (`texel_i`, `texel_j`, depth and position), named, to `answer`.
+    fn step_into<A: Arith>(
+        &self,
+        a: &mut A,
+        registers: &[Signal<A>],
+        heights: &[A::Int],
+        next_walk: &mut Vec<Signal<A>>,
+        answer: &mut Vec<Named<A>>,
+    );
+
+    /// [`Step::set_up_into`] a row of its own, where speed does not matter.
+    fn set_up<A: Arith>(&self, a: &mut A, ray: &[Signal<A>]) -> Vec<Signal<A>> {
+        let mut registers = Vec::new();
+        self.set_up_into(a, ray, &mut registers);
+        registers
+    }
+    /// [`Step::step_into`] rows of their own, where speed does not matter.
     fn step<A: Arith>(
         &self,
         a: &mut A,
         registers: &[Signal<A>],
         heights: &[A::Int],
-    ) -> (Vec<Signal<A>>, Vec<Named<A>>);
+    ) -> (Vec<Signal<A>>, Vec<Named<A>>) {
+        let (mut next_walk, mut answer) = (Vec::new(), Vec::new());
+        self.step_into(a, registers, heights, &mut next_walk, &mut answer);
+        (next_walk, answer)
+    }
 }

@@ -101,28 +101,26 @@ impl Step for WideStep {
         Cow::Borrowed(pyramid.lines(self.shape.log2_side).memory())
     }
 
-    fn set_up<A: Arith>(&self, a: &mut A, ray: &[Signal<A>]) -> Vec<Signal<A>> {
+    fn set_up_into<A: Arith>(&self, a: &mut A, ray: &[Signal<A>], registers: &mut Vec<Signal<A>>) {
         let &[u, v, du, dv] = ray else {
             panic!("{} ray ports", ray.len());
         };
         let [u, v, du, dv] = [u, v, du, dv].map(Signal::number);
         let setup = wide_setup(a, self.shape, Ray { u, v, du, dv });
         let ray = &setup.ray;
-        let mut row = [
+        let numbers = [
             ray.u,
             ray.v,
             ray.du,
             ray.dv,
             ray.exact_below_u,
             ray.exact_below_v,
-        ]
-        .map(Signal::Number)
-        .to_vec();
-        row.extend([ray.mirror_u, ray.mirror_v].map(Signal::Bit));
-        row.push(Signal::Integer(a.int_wrap(setup.start_level, LEVEL_BITS)));
-        row.extend(walk_row(self.shape, &setup.walk));
-        row.push(Signal::Number(a.zero()));
-        row
+        ];
+        registers.extend(numbers.map(Signal::Number));
+        registers.extend([ray.mirror_u, ray.mirror_v].map(Signal::Bit));
+        registers.push(Signal::Integer(a.int_wrap(setup.start_level, LEVEL_BITS)));
+        walk_row(self.shape, &setup.walk, registers);
+        registers.push(Signal::Number(a.zero()));
     }
 
     fn address<A: Arith>(&self, a: &mut A, registers: &[Signal<A>]) -> A::Int {
@@ -133,27 +131,28 @@ impl Step for WideStep {
         wide_address(a, self.shape, ray.mirror_u, ray.mirror_v, &walk)
     }
 
-    fn step<A: Arith>(
+    fn step_into<A: Arith>(
         &self,
         a: &mut A,
         registers: &[Signal<A>],
         heights: &[A::Int],
-    ) -> (Vec<Signal<A>>, Vec<Named<A>>) {
+        next_walk: &mut Vec<Signal<A>>,
+        answer: &mut Vec<Named<A>>,
+    ) {
         let mut row = Row(registers);
         let ray = ray_of(&mut row);
         let start_level = row.integer();
         let walk = walk_of(self.shape, &mut row);
         let t = row.next().number();
         let result = wide_step(a, self.shape, &ray, start_level, &walk, t, heights);
-        let mut row = walk_row(self.shape, &result.walk);
-        row.push(Signal::Number(result.t));
-        let answer = vec![
+        walk_row(self.shape, &result.walk, next_walk);
+        next_walk.push(Signal::Number(result.t));
+        answer.extend([
             ("texel_i", Signal::Integer(result.texel_i)),
             ("texel_j", Signal::Integer(result.texel_j)),
             ("position_u", Signal::Number(result.position_u)),
             ("position_v", Signal::Number(result.position_v)),
-        ];
-        (row, answer)
+        ]);
     }
 }
 
@@ -229,20 +228,17 @@ impl Step for WideFixedStep {
         [ray.u, ray.v, ray.du, ray.dv].map(Signal::Integer).to_vec()
     }
 
-    fn set_up<A: Arith>(&self, a: &mut A, ray: &[Signal<A>]) -> Vec<Signal<A>> {
+    fn set_up_into<A: Arith>(&self, a: &mut A, ray: &[Signal<A>], registers: &mut Vec<Signal<A>>) {
         let &[u, v, du, dv] = ray else {
             panic!("{} ray ports", ray.len());
         };
         let [u, v, du, dv] = [u, v, du, dv].map(Signal::integer);
         let setup = wide_fixed_setup(a, self.shape(), u, v, du, dv);
         let ray = &setup.ray;
-        let mut row = [ray.u, ray.v, ray.slope_u, ray.slope_v]
-            .map(Signal::Integer)
-            .to_vec();
-        row.extend([ray.mirror_u, ray.mirror_v].map(Signal::Bit));
-        row.push(Signal::Integer(a.int_wrap(setup.start_level, LEVEL_BITS)));
-        row.extend(self.row(&setup.walk));
-        row
+        registers.extend([ray.u, ray.v, ray.slope_u, ray.slope_v].map(Signal::Integer));
+        registers.extend([ray.mirror_u, ray.mirror_v].map(Signal::Bit));
+        registers.push(Signal::Integer(a.int_wrap(setup.start_level, LEVEL_BITS)));
+        self.row(&setup.walk, registers);
     }
 
     fn address<A: Arith>(&self, a: &mut A, registers: &[Signal<A>]) -> A::Int {
@@ -256,34 +252,32 @@ impl Step for WideFixedStep {
         )
     }
 
-    fn step<A: Arith>(
+    fn step_into<A: Arith>(
         &self,
         a: &mut A,
         registers: &[Signal<A>],
         heights: &[A::Int],
-    ) -> (Vec<Signal<A>>, Vec<Named<A>>) {
+        next_walk: &mut Vec<Signal<A>>,
+        answer: &mut Vec<Named<A>>,
+    ) {
         let (ray, start_level, walk) = self.registers(registers);
-        let (walk, answer) = wide_fixed_step(a, self.shape(), &ray, start_level, &walk, heights);
-        let answer = vec![
-            ("texel_i", Signal::Integer(answer.texel_i)),
-            ("texel_j", Signal::Integer(answer.texel_j)),
-            ("side", Signal::Bit(answer.side)),
-            ("depth_numerator", Signal::Integer(answer.depth_numerator)),
-            (
-                "depth_denominator",
-                Signal::Integer(answer.depth_denominator),
-            ),
-        ];
-        (self.row(&walk), answer)
+        let (walk, hit) = wide_fixed_step(a, self.shape(), &ray, start_level, &walk, heights);
+        answer.extend([
+            ("texel_i", Signal::Integer(hit.texel_i)),
+            ("texel_j", Signal::Integer(hit.texel_j)),
+            ("side", Signal::Bit(hit.side)),
+            ("depth_numerator", Signal::Integer(hit.depth_numerator)),
+            ("depth_denominator", Signal::Integer(hit.depth_denominator)),
+        ]);
+        self.row(&walk, next_walk);
     }
 }
 
 impl WideFixedStep {
-    fn row<A: Arith>(&self, walk: &WideFixedWalk<A>) -> Vec<Signal<A>> {
-        let mut row = walk_row(self.shape().lines(), &walk.walk);
+    fn row<A: Arith>(&self, walk: &WideFixedWalk<A>, row: &mut Vec<Signal<A>>) {
+        walk_row(self.shape().lines(), &walk.walk, row);
         row.extend([walk.error, walk.depth].map(Signal::Integer));
         row.extend([walk.at_border_u, walk.at_border_v].map(Signal::Bit));
-        row
     }
 
     fn registers<A: Arith>(
@@ -416,8 +410,8 @@ fn walk_registers(shape: WideShape) -> Vec<Register> {
     registers
 }
 
-fn walk_row<A: Arith>(shape: WideShape, walk: &WideWalk<A>) -> Vec<Signal<A>> {
-    let mut row = [walk.level, walk.i, walk.j].map(Signal::Integer).to_vec();
+fn walk_row<A: Arith>(shape: WideShape, walk: &WideWalk<A>, row: &mut Vec<Signal<A>>) {
+    row.extend([walk.level, walk.i, walk.j].map(Signal::Integer));
     row.extend(
         walk.kept[1..shape.line_levels()]
             .iter()
@@ -427,7 +421,6 @@ fn walk_row<A: Arith>(shape: WideShape, walk: &WideWalk<A>) -> Vec<Signal<A>> {
     row.extend([walk.leaves_u, walk.leaves_back].map(Signal::Bit));
     row.extend([walk.steps, walk.crossings].map(Signal::Integer));
     row.extend([walk.hit, walk.guard].map(Signal::Bit));
-    row
 }
 
 fn walk_of<A: Arith>(shape: WideShape, row: &mut Row<'_, A>) -> WideWalk<A> {

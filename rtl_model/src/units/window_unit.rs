@@ -101,27 +101,25 @@ impl Step for WindowStep {
         Cow::Owned(all_windows(pyramid))
     }
 
-    fn set_up<A: Arith>(&self, a: &mut A, ray: &[Signal<A>]) -> Vec<Signal<A>> {
+    fn set_up_into<A: Arith>(&self, a: &mut A, ray: &[Signal<A>], registers: &mut Vec<Signal<A>>) {
         let &[u, v, du, dv] = ray else {
             panic!("{} ray ports", ray.len());
         };
         let [u, v, du, dv] = [u, v, du, dv].map(Signal::number);
         let (ray, walk) = window_setup(a, self.shape, Ray { u, v, du, dv });
-        let mut row = [
+        let numbers = [
             ray.ray.u,
             ray.ray.v,
             ray.ray.du,
             ray.ray.dv,
             ray.ray.exact_below_u,
             ray.ray.exact_below_v,
-        ]
-        .map(Signal::Number)
-        .to_vec();
-        row.extend([ray.ray.mirror_u, ray.ray.mirror_v].map(Signal::Bit));
-        row.extend([ray.entry_i, ray.entry_j].map(Signal::Integer));
-        row.extend(walk_row(&walk));
-        row.push(Signal::Number(a.zero()));
-        row
+        ];
+        registers.extend(numbers.map(Signal::Number));
+        registers.extend([ray.ray.mirror_u, ray.ray.mirror_v].map(Signal::Bit));
+        registers.extend([ray.entry_i, ray.entry_j].map(Signal::Integer));
+        registers.extend(walk_row(&walk));
+        registers.push(Signal::Number(a.zero()));
     }
 
     fn address<A: Arith>(&self, a: &mut A, registers: &[Signal<A>]) -> A::Int {
@@ -129,23 +127,24 @@ impl Step for WindowStep {
         window_address(a, self.shape, ray.ray.mirror_u, ray.ray.mirror_v, &walk)
     }
 
-    fn step<A: Arith>(
+    fn step_into<A: Arith>(
         &self,
         a: &mut A,
         registers: &[Signal<A>],
         heights: &[A::Int],
-    ) -> (Vec<Signal<A>>, Vec<Named<A>>) {
+        next_walk: &mut Vec<Signal<A>>,
+        answer: &mut Vec<Named<A>>,
+    ) {
         let (ray, walk, t) = WindowStep::registers(registers);
         let result = window_step(a, self.shape, &ray, &walk, t, heights);
-        let mut row = walk_row(&result.walk);
-        row.push(Signal::Number(result.t));
-        let answer = vec![
+        next_walk.extend(walk_row(&result.walk));
+        next_walk.push(Signal::Number(result.t));
+        answer.extend([
             ("texel_i", Signal::Integer(result.texel_i)),
             ("texel_j", Signal::Integer(result.texel_j)),
             ("position_u", Signal::Number(result.position_u)),
             ("position_v", Signal::Number(result.position_v)),
-        ];
-        (row, answer)
+        ]);
     }
 }
 
@@ -232,19 +231,17 @@ impl Step for WindowFixedStep {
         [ray.u, ray.v, ray.du, ray.dv].map(Signal::Integer).to_vec()
     }
 
-    fn set_up<A: Arith>(&self, a: &mut A, ray: &[Signal<A>]) -> Vec<Signal<A>> {
+    fn set_up_into<A: Arith>(&self, a: &mut A, ray: &[Signal<A>], registers: &mut Vec<Signal<A>>) {
         let &[u, v, du, dv] = ray else {
             panic!("{} ray ports", ray.len());
         };
         let [u, v, du, dv] = [u, v, du, dv].map(Signal::integer);
         let (ray, walk) = window_fixed_setup(a, self.shape(), u, v, du, dv);
-        let mut row = [ray.ray.u, ray.ray.v, ray.ray.slope_u, ray.ray.slope_v]
-            .map(Signal::Integer)
-            .to_vec();
-        row.extend([ray.ray.mirror_u, ray.ray.mirror_v].map(Signal::Bit));
-        row.extend([ray.entry_i, ray.entry_j].map(Signal::Integer));
-        row.extend(fixed_walk_row(&walk));
-        row
+        let words = [ray.ray.u, ray.ray.v, ray.ray.slope_u, ray.ray.slope_v];
+        registers.extend(words.map(Signal::Integer));
+        registers.extend([ray.ray.mirror_u, ray.ray.mirror_v].map(Signal::Bit));
+        registers.extend([ray.entry_i, ray.entry_j].map(Signal::Integer));
+        fixed_walk_row(&walk, registers);
     }
 
     fn address<A: Arith>(&self, a: &mut A, registers: &[Signal<A>]) -> A::Int {
@@ -253,25 +250,24 @@ impl Step for WindowFixedStep {
         window_address(a, windows, ray.ray.mirror_u, ray.ray.mirror_v, &walk.walk)
     }
 
-    fn step<A: Arith>(
+    fn step_into<A: Arith>(
         &self,
         a: &mut A,
         registers: &[Signal<A>],
         heights: &[A::Int],
-    ) -> (Vec<Signal<A>>, Vec<Named<A>>) {
+        next_walk: &mut Vec<Signal<A>>,
+        answer: &mut Vec<Named<A>>,
+    ) {
         let (ray, walk) = WindowFixedStep::registers(registers);
-        let (walk, answer) = window_fixed_step(a, self.shape(), &ray, &walk, heights);
-        let answer = vec![
-            ("texel_i", Signal::Integer(answer.texel_i)),
-            ("texel_j", Signal::Integer(answer.texel_j)),
-            ("side", Signal::Bit(answer.side)),
-            ("depth_numerator", Signal::Integer(answer.depth_numerator)),
-            (
-                "depth_denominator",
-                Signal::Integer(answer.depth_denominator),
-            ),
-        ];
-        (fixed_walk_row(&walk), answer)
+        let (walk, hit) = window_fixed_step(a, self.shape(), &ray, &walk, heights);
+        answer.extend([
+            ("texel_i", Signal::Integer(hit.texel_i)),
+            ("texel_j", Signal::Integer(hit.texel_j)),
+            ("side", Signal::Bit(hit.side)),
+            ("depth_numerator", Signal::Integer(hit.depth_numerator)),
+            ("depth_denominator", Signal::Integer(hit.depth_denominator)),
+        ]);
+        fixed_walk_row(&walk, next_walk);
     }
 }
 
@@ -327,19 +323,22 @@ fn walk_registers() -> Vec<Register> {
     ]
 }
 
-fn walk_row<A: Arith>(walk: &WindowWalk<A>) -> Vec<Signal<A>> {
-    let mut row = [walk.level, walk.i, walk.j, walk.steps, walk.crossings]
-        .map(Signal::Integer)
-        .to_vec();
-    row.extend([walk.hit, walk.guard].map(Signal::Bit));
-    row
+fn walk_row<A: Arith>(walk: &WindowWalk<A>) -> [Signal<A>; 7] {
+    [
+        Signal::Integer(walk.level),
+        Signal::Integer(walk.i),
+        Signal::Integer(walk.j),
+        Signal::Integer(walk.steps),
+        Signal::Integer(walk.crossings),
+        Signal::Bit(walk.hit),
+        Signal::Bit(walk.guard),
+    ]
 }
 
-fn fixed_walk_row<A: Arith>(walk: &WindowFixedWalk<A>) -> Vec<Signal<A>> {
-    let mut row = walk_row(&walk.walk);
+fn fixed_walk_row<A: Arith>(walk: &WindowFixedWalk<A>, row: &mut Vec<Signal<A>>) {
+    row.extend(walk_row(&walk.walk));
     row.extend([walk.error, walk.depth].map(Signal::Integer));
     row.extend([walk.at_border_u, walk.at_border_v].map(Signal::Bit));
-    row
 }
 
 fn walk_of<A: Arith>(row: &mut Row<'_, A>) -> WindowWalk<A> {
