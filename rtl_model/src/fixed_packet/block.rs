@@ -27,29 +27,31 @@ use crate::units::wide_shape::WideShape;
 /// log2 of the cells on a side of a line.
 pub(super) const LOG2_SIDE: u32 = 2;
 
-/// 1.5 * 2^52: added to a small integer, it leaves it in the low bits, negative or not; and added to a
-/// number it rounds it to an integer.
-const SHIFTER: f64 = 1.5 * (1_u64 << 52) as f64;
+/// log2 of the units in a texel: as many fraction bits as an entry has at most.
+const LOG2_UNITS: u32 = 24;
 
-/// Every other bit: the powers of four.
-const POWERS_OF_FOUR: u64 = 0x5555_5555_5555;
+/// A unit, in texels.
+const UNIT: f64 = 1.0 / (1_u64 << LOG2_UNITS) as f64;
 
-/// One crossing among the counts of a lane, above the times that it has gone down.
-const CROSSING: u64 = 1 << 32;
+/// Added to a number of texels, it leaves units in the low bits of the pattern, negative or not: 1.5 times
+/// the power of two whose last place is a unit.
+const SHIFTER: f64 = 1.5 * (1_u64 << (52 - LOG2_UNITS)) as f64;
+
+/// A number's pattern with its units in the low bits, for numbers that are not negative; halved.
+const HALF_SHIFTER: f64 = (1_u64 << (51 - LOG2_UNITS)) as f64;
+
+/// The bits above each power of four.
+const ABOVE_POWERS_OF_FOUR: u64 = 0xaaaa_aaaa_aaaa_aaaa;
 
 /// The lines of a map.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Blocks {
     line_levels: u32,
-    /// log2 of the map's side in half texels.
-    log2_half_texels: u32,
-    /// The bits of a place that index u, and those that index v, before the lowest is shifted out.
-    place_masks: [u64; 2],
+    /// log2 of the map's side in texels.
+    root_level: u32,
     /// Side of a cell of the level that a walk starts at, by log2 of its travel from top to bottom in
     /// texels, rounded down.
     start_side_of_reach: [i32; REACHES],
-    /// What a texel on v adds to a place: two rows.
-    row_of_texel: f64,
     full_height: f64,
 }
 
@@ -69,14 +71,10 @@ impl Blocks {
             let start = (1..shape.line_levels()).filter(starts).count() as u32;
             *side = 1 << (LOG2_SIDE * start);
         }
-        let log2_half_texels = root_level + 1;
-        let mask = (1 << log2_half_texels) - 1;
         Blocks {
             line_levels: shape.line_levels() as u32,
-            log2_half_texels,
-            place_masks: [mask, mask << log2_half_texels],
+            root_level,
             start_side_of_reach,
-            row_of_texel: (2_u64 << log2_half_texels) as f64,
             full_height: ((1_u32 << height_bits) - 1).into(),
         }
     }
@@ -85,14 +83,14 @@ impl Blocks {
     /// those of centres of texels are odd, those of centres of larger cells even; and a row has a word for
     /// each texel. A centre is an odd number of half sides from the origin, so no two levels share one.
     pub(super) fn in_order(&self, pyramid: &Pyramid, word_of: impl Fn(u16) -> u16) -> Vec<u16> {
-        let mut words = vec![0; 1 << (2 * self.log2_half_texels - 1)];
+        let mut words = vec![0; 2 << (2 * self.root_level)];
         for n in 0..self.line_levels {
             let level = LOG2_SIDE * n;
             let centre = |index: u32| (2 * index as usize + 1) << level;
-            let side = 1_u32 << (self.log2_half_texels - 1 - level);
+            let side = 1_u32 << (self.root_level - level);
             for j in 0..side {
                 for i in 0..side {
-                    let place = (centre(j) << (self.log2_half_texels - 1)) | (centre(i) / 2);
+                    let place = (centre(j) << self.root_level) | (centre(i) / 2);
                     words[place] = word_of(pyramid.height(level, i.into(), j.into()));
                 }
             }
@@ -113,59 +111,43 @@ impl Blocks {
 
 /// What the lanes have on one axis.
 struct AxisCells {
-    entry: [f64; LANES],
+    /// One unit before the entry, plus [`SHIFTER`].
+    before: [f64; LANES],
     slope: [f64; LANES],
     lowered_slope: [f64; LANES],
     reciprocal: [f64; LANES],
-    /// What a texel adds to a place; below zero where the axis is mirrored.
-    place_of_texel: [f64; LANES],
-    /// The cell's far border, in texels, mirrored.
-    far: [f64; LANES],
+    /// The last unit before the cell's far border, mirrored, plus [`SHIFTER`].
+    last: [f64; LANES],
 }
 
 impl AxisCells {
     const IDLE: AxisCells = AxisCells {
-        entry: [0.0; LANES],
+        before: [SHIFTER; LANES],
         slope: [1.0; LANES],
         lowered_slope: [1.0; LANES],
         reciprocal: [1.0; LANES],
-        place_of_texel: [0.0; LANES],
-        far: [1.0; LANES],
+        last: [SHIFTER; LANES],
     };
 
-    /// Puts a ray into the cell of this side.
+    /// Puts a ray into the cell of this side, whose units but one are given.
     #[inline(always)]
-    fn enter(&mut self, lane: usize, axis: &AxisEntry, size: f64, place_of_texel: f64) {
-        self.entry[lane] = axis.entry;
+    fn enter(&mut self, lane: usize, axis: &AxisEntry, units: u64) {
+        self.before[lane] = (axis.entry - UNIT) + SHIFTER;
         self.slope[lane] = axis.slope;
         self.lowered_slope[lane] = axis.lowered_slope;
         self.reciprocal[lane] = axis.reciprocal;
-        self.place_of_texel[lane] = select(axis.mirror == 0, place_of_texel, -place_of_texel);
-        // The nearest multiple of the side, and the next one if that is not beyond the entry.
-        let shifter = SHIFTER * size;
-        let nearest = axis.entry + shifter - shifter;
-        self.far[lane] = select(nearest > axis.entry, nearest, nearest + size);
+        self.last[lane] = f64::from_bits((axis.entry + SHIFTER).to_bits() | units);
     }
 
     #[inline(always)]
-    fn ended(&self, lane: usize) -> EndedAxis {
+    fn ended(&self, lane: usize, mirrored: bool) -> EndedAxis {
         EndedAxis {
-            entry: self.entry[lane],
+            entry: self.before[lane] - (SHIFTER - UNIT),
             slope: self.slope[lane],
             // The step has gone to the near quarter of the texel on the axis crossed.
-            way: self.far[lane] - self.entry[lane] - 0.25,
-            mirrored: self.place_of_texel[lane] < 0.0,
+            way: self.last[lane] - self.before[lane] - 0.25,
+            mirrored,
         }
-    }
-
-    /// The texel's index, not wrapped to the map.
-    #[inline(always)]
-    fn texel(&self, lane: usize) -> u64 {
-        // The step has gone to a quarter of the texel, whose centre an integer never is.
-        let centre = self.far[lane] - 0.125;
-        let centre = select(self.place_of_texel[lane] < 0.0, -centre, centre);
-        // The nearest integer to half a texel below: the next one below.
-        (centre - 0.5 + SHIFTER).to_bits() & 0xffff_ffff
     }
 }
 
@@ -176,21 +158,24 @@ pub(super) struct BlockPacket {
     v: AxisCells,
     /// The slope on u for what has been travelled: lowered, or not after a crossing of v.
     travel_slope_u: [f64; LANES],
-    /// The cell looked at: where its depth lies.
+    /// The cell looked at: where its depth lies, modulo the depths there are.
     place: [u64; LANES],
-    /// Side of the cell, in texels.
-    size: [f64; LANES],
-    /// Side of a cell of the level that the walk starts at.
-    start_size: [u64; LANES],
-    /// The bits of a texel's index that tell where it is in its block of that level.
-    in_block: [u64; LANES],
+    /// Ones where an axis is mirrored, in the bits of a place and its units.
+    mirror: [u64; LANES],
+    /// What takes a place from before a cell's centre to it: on an axis that is not mirrored.
+    to_centre: [u64; LANES],
+    /// Half the side of the cell, in texels.
+    half: [f64; LANES],
+    /// Side of a cell of the level that the walk starts at, in units, less one.
+    largest: [u64; LANES],
+    /// Blocks of that level on both axes up to the first.
+    first_block: [u64; LANES],
     /// Depth reached, in height steps.
     t: [f64; LANES],
     /// The cell's depth.
     depth: [i32; LANES],
-    /// How often the walk has gone down, and in units of [`CROSSING`] from a block of the start level
-    /// to the next.
-    counts: [u64; LANES],
+    /// How often the walk has gone down.
+    descents: [u64; LANES],
     /// The ray's place in the list.
     ray: [usize; LANES],
     /// The packet's step count when the ray entered.
@@ -204,12 +189,14 @@ impl BlockPacket {
         v: AxisCells::IDLE,
         travel_slope_u: [1.0; LANES],
         place: [0; LANES],
-        size: [1.0; LANES],
-        start_size: [1; LANES],
-        in_block: [0; LANES],
+        mirror: [0; LANES],
+        to_centre: [0; LANES],
+        half: [0.5; LANES],
+        largest: [(1 << LOG2_UNITS) - 1; LANES],
+        first_block: [0; LANES],
         t: [AT_TOP; LANES],
         depth: [0; LANES],
-        counts: [0; LANES],
+        descents: [0; LANES],
         ray: [0; LANES],
         entered: [0; LANES],
     };
@@ -224,34 +211,59 @@ impl BlockPacket {
         now: u32,
     ) {
         let side = blocks.start_side(larger(u.slope, v.slope));
-        let size = f64::from(side);
-        // Two half texels, or two rows of them.
-        self.u.enter(lane, &u, size, 2.0);
-        self.v.enter(lane, &v, size, blocks.row_of_texel);
+        let units = ((side as u64) << LOG2_UNITS) - 1;
+        let half = 0.5 * f64::from(side);
+        self.u.enter(lane, &u, units);
+        self.v.enter(lane, &v, units);
         self.travel_slope_u[lane] = u.lowered_slope;
-        self.place[lane] = self.place_of(lane, size, blocks.place_masks);
-        self.size[lane] = size;
-        self.start_size[lane] = side as u64;
-        self.in_block[lane] = 4 * side as u64 - 1;
+        let on_v = u64::MAX << (LOG2_UNITS + blocks.root_level);
+        self.mirror[lane] = (u.mirror & !on_v) | (v.mirror & on_v);
+        self.to_centre[lane] = (!u.mirror & 1) | (!v.mirror & on_v & on_v.wrapping_neg());
+        let (last_u, last_v) = (self.u.last[lane], self.v.last[lane]);
+        self.place[lane] = place(
+            (last_u - half).to_bits(),
+            (last_v - half).to_bits(),
+            self.mirror[lane],
+            self.to_centre[lane],
+            blocks.root_level,
+        );
+        self.half[lane] = half;
+        self.largest[lane] = units;
+        self.first_block[lane] = self.block(lane);
         self.t[lane] = AT_TOP;
-        self.counts[lane] = 0;
+        self.descents[lane] = 0;
         self.ray[lane] = ray;
         self.entered[lane] = now;
     }
 
+    /// Blocks of the start level up to where the ray is, on both axes; but for a constant.
     #[inline(always)]
-    fn place_of(&self, lane: usize, size: f64, [mask_u, mask_v]: [u64; 2]) -> u64 {
-        let half = 0.5 * size;
-        let (u, v) = (&self.u, &self.v);
-        let place_u = (u.far[lane] - half) * u.place_of_texel[lane] + SHIFTER;
-        let place_v = (v.far[lane] - half) * v.place_of_texel[lane] + SHIFTER;
-        ((place_u.to_bits() & mask_u) | (place_v.to_bits() & mask_v)) >> 1
+    fn block(&self, lane: usize) -> u64 {
+        let log2_block = self.largest[lane].trailing_ones() + LOG2_SIDE;
+        let of = |last: f64| last.to_bits() >> log2_block;
+        of(self.u.last[lane]) + of(self.v.last[lane])
+    }
+
+    /// How often the walk has crossed from a block of the start level to the next: blocks lie side by side on
+    /// either axis.
+    #[inline(always)]
+    fn crossings(&self, lane: usize) -> u32 {
+        self.block(lane).wrapping_sub(self.first_block[lane]) as u32
+    }
+
+    /// The texel's index on u, and on v above it, not wrapped to the map.
+    #[inline(always)]
+    fn texel(&self, lane: usize) -> u64 {
+        let mirror = self.mirror[lane];
+        let of = |last: f64, mirror: u64| (last.to_bits() >> LOG2_UNITS) ^ mirror;
+        let u = of(self.u.last[lane], (mirror & 1).wrapping_neg());
+        let v = of(self.v.last[lane], (mirror >> 63).wrapping_neg());
+        (u & 0xffff_ffff) | (v << 32)
     }
 
     /// Looks up the depth of every lane's cell.
     #[inline(always)]
     fn fetch<D: Copy + Into<i32>>(&mut self, depths: &[D]) {
-        // No lane with a ray reaches beyond the memory; the mask spares a lane without one.
         let mask = depths.len() - 1;
         for lane in 0..LANES {
             self.depth[lane] = depths[self.place[lane] as usize & mask].into();
@@ -261,22 +273,21 @@ impl BlockPacket {
     /// One step of every lane: written as `super::lanes::Packet::step` is, for the same reasons. The
     /// answer has a one for each lane whose walk has ended.
     #[inline(always)]
-    fn step(&mut self, [mask_u, mask_v]: [u64; 2]) -> u64 {
+    fn step(&mut self, root_level: u32) -> u64 {
         let mut hits = 0;
         for (lane, &lane_bit) in LANE_BITS.iter().enumerate() {
-            let (size, t) = (self.size[lane], self.t[lane]);
+            let (half, t) = (self.half[lane], self.t[lane]);
             let (u, v) = (&self.u, &self.v);
-            let (entry_u, entry_v) = (u.entry[lane], v.entry[lane]);
-            let (border_u, border_v) = (u.far[lane], v.far[lane]);
+            let (last_u, last_v) = (u.last[lane], v.last[lane]);
             let (slope_u, lowered_u) = (u.slope[lane], u.lowered_slope[lane]);
             let travel_slope_u = self.travel_slope_u[lane];
-            let start_size = self.start_size[lane];
-            let in_block = self.in_block[lane];
-            let counts = self.counts[lane];
+            let largest = self.largest[lane];
+            let (mirror, to_centre) = (self.mirror[lane], self.to_centre[lane]);
+            let descents = self.descents[lane];
             let depth = f64::from(self.depth[lane]);
 
             // Where the ray leaves the cell, and by which border.
-            let (way_u, way_v) = (border_u - entry_u, border_v - entry_v);
+            let (way_u, way_v) = (last_u - u.before[lane], last_v - v.before[lane]);
             let exit_u = way_u * u.reciprocal[lane];
             let exit_v = way_v * v.reciprocal[lane];
             let u_first = exit_u <= exit_v;
@@ -291,45 +302,48 @@ impl BlockPacket {
                 select(down, travel_slope_u, select(u_first, lowered_u, slope_u));
 
             // Down: which of the sixteen cells the ray is in, by halves.
-            let (half, quarter) = (0.5 * size, 0.25 * size);
+            let quarter = 0.5 * half;
             let travelled_u = reached * travel_slope_u;
             let travelled_v = reached * v.lowered_slope[lane];
-            let (midline_u, midline_v) = (way_u - half, way_v - half);
-            let half_u = select(midline_u <= travelled_u, way_u, midline_u);
-            let half_v = select(midline_v <= travelled_v, way_v, midline_v);
-            let (line_u, line_v) = (half_u - quarter, half_v - quarter);
-            let down_u = select(line_u <= travelled_u, half_u, line_u) + entry_u;
-            let down_v = select(line_v <= travelled_v, half_v, line_v) + entry_v;
+            let down_by = |way: f64, last: f64, travelled: f64| {
+                let midline = way - half;
+                let is_far = midline <= travelled;
+                let way = select(is_far, way, midline);
+                let last = select(is_far, last, last - half);
+                select(way - quarter <= travelled, last, last - quarter)
+            };
+            let down_u = down_by(way_u, last_u, travelled_u);
+            let down_v = down_by(way_v, last_v, travelled_v);
 
-            // Across: the side of the next cell, by the lowest one of the border crossed.
-            let crossed = (select(u_first, border_u, border_v) + SHIFTER).to_bits();
-            let divisors = crossed | start_size;
-            let largest = divisors & divisors.wrapping_neg();
-            let next_size = (largest | (largest >> 1)) & POWERS_OF_FOUR;
-            let next_size = f64::from_bits(next_size | SHIFTER.to_bits()) - SHIFTER;
-            let crosses = crossed & in_block == 0;
-            // Its far borders: halfway into the next cell on the axis crossed, and back into the cell on the
-            // other, then on to the next multiple. Never halfway between two, so that it is the nearest.
-            let onward_u = select(u_first, half, -half);
-            let half_next = 0.5 * next_size;
-            let shifter = next_size * SHIFTER;
-            let across_u = border_u + (half_next + onward_u) + shifter - shifter;
-            let across_v = border_v + (half_next - onward_u) + shifter - shifter;
+            // Across: the side of the next cell, in units and less one, is the ones at the end of the last
+            // unit before the border, an even number of them. The next cell's last unit has all of
+            // them, whether the border was crossed into it or not.
+            let crossed = select(u_first, last_u, last_v).to_bits();
+            let ones = crossed & !crossed.wrapping_add(1) & largest;
+            let side = ones & ((ones >> 1) | ABOVE_POWERS_OF_FOUR);
+            let (last_u, last_v) = (last_u.to_bits(), last_v.to_bits());
+            let across_u = select(u_first, last_u.wrapping_add(1), last_u) | side;
+            let across_v = select(u_first, last_v, last_v.wrapping_add(1)) | side;
+            let half_next =
+                f64::from_bits(side | HALF_SHIFTER.to_bits()) - (HALF_SHIFTER - 0.5 * UNIT);
 
-            let size_after = select(down, quarter, next_size);
-            let far_u = select(down, down_u, across_u);
-            let far_v = select(down, down_v, across_v);
-            self.size[lane] = size_after;
-            self.u.far[lane] = far_u;
-            self.v.far[lane] = far_v;
-            let half_after = 0.5 * size_after;
-            let place_u = (far_u - half_after) * self.u.place_of_texel[lane] + SHIFTER;
-            let place_v = (far_v - half_after) * self.v.place_of_texel[lane] + SHIFTER;
-            self.place[lane] = ((place_u.to_bits() & mask_u) | (place_v.to_bits() & mask_v)) >> 1;
-            self.counts[lane] = counts + select(down, 1, select(crosses, CROSSING, 0));
+            let half = select(down, 0.5 * quarter, half_next);
+            let last_u = select(down, down_u, f64::from_bits(across_u));
+            let last_v = select(down, down_v, f64::from_bits(across_v));
+            self.half[lane] = half;
+            self.u.last[lane] = last_u;
+            self.v.last[lane] = last_v;
+            self.descents[lane] = descents + select(down, 1, 0);
+            self.place[lane] = place(
+                (last_u - half).to_bits(),
+                (last_v - half).to_bits(),
+                mirror,
+                to_centre,
+                root_level,
+            );
 
             // Below the texels: the walk has ended.
-            hits |= select(size_after < 1.0, lane_bit, 0);
+            hits |= select(half < 0.5, lane_bit, 0);
         }
         hits
     }
@@ -339,6 +353,15 @@ impl BlockPacket {
     fn crossed_v(&self, lane: usize) -> bool {
         self.travel_slope_u[lane] == self.u.slope[lane]
     }
+}
+
+/// Where the depth of a cell lies, modulo the depths there are, by the last unit on either axis before its
+/// centre.
+#[inline(always)]
+fn place(before_u: u64, before_v: u64, mirror: u64, to_centre: u64, root_level: u32) -> u64 {
+    let on_u = (1 << (LOG2_UNITS + root_level)) - 1;
+    let before = (before_u & on_u) | ((before_v << (root_level + 1)) & !on_u);
+    ((before ^ mirror).wrapping_add(to_centre)) >> LOG2_UNITS
 }
 
 /// A packet over the lines of a map.
@@ -356,7 +379,7 @@ impl Walks for BlockWalks {
     #[inline(always)]
     fn step<D: Copy + Into<i32>>(&mut self, depths: &[D], live: u64) -> u64 {
         self.packet.fetch(depths);
-        self.packet.step(self.blocks.place_masks) & live
+        self.packet.step(self.blocks.root_level) & live
     }
 
     #[inline(always)]
@@ -372,17 +395,16 @@ impl Walks for BlockWalks {
     #[inline(always)]
     fn ended(&self, lane: usize, _now: u32) -> Ended {
         let packet = &self.packet;
-        let counts = packet.counts[lane];
-        let crossings = (counts / CROSSING) as u32;
+        let crossings = packet.crossings(lane);
         Ended {
             ray: packet.ray[lane],
-            steps: counts as u32 + crossings,
+            steps: packet.descents[lane] as u32 + crossings,
             crossings,
-            texel: packet.u.texel(lane) | (packet.v.texel(lane) << 32),
+            texel: packet.texel(lane),
             t: packet.t[lane],
             crossed_v: packet.crossed_v(lane),
-            u: packet.u.ended(lane),
-            v: packet.v.ended(lane),
+            u: packet.u.ended(lane, packet.mirror[lane] & 1 != 0),
+            v: packet.v.ended(lane, packet.mirror[lane] >> 63 != 0),
         }
     }
 
