@@ -2,9 +2,9 @@
 //!
 //! Such a loop is written once, in plain Rust without a branch inside, so that the compiler turns it
 //! into vector instructions. [`InstructionSet::Plain`] runs it as the rest of the program is
-//! compiled, for any machine of its kind; [`InstructionSet::Detected`] runs a copy that was compiled
-//! for AVX-512 or for AVX2, where the program finds at run time that the machine has it. All give the same bits:
-//! the arithmetic is IEEE 754's in either, and Rust never fuses a product and a sum.
+//! compiled, for any machine of its kind; [`InstructionSet::Avx2`] and [`InstructionSet::Detected`] run a copy
+//! that was compiled for AVX2, or for AVX-512 too, where the program finds at run time that the machine has
+//! it. All give the same bits: the arithmetic is IEEE 754's in either, and Rust never fuses a product and a sum.
 
 use pulp::{Arch, Simd, WithSimd};
 use std::fmt;
@@ -14,20 +14,33 @@ use std::fmt;
 pub enum InstructionSet {
     /// Those that every machine has which this program runs on.
     Plain,
+    /// AVX2, also where the machine has AVX-512; plain ones where it has neither.
+    Avx2,
     /// The best of those this machine has, as found at run time.
     #[default]
     Detected,
 }
 
 impl InstructionSet {
-    /// Both, the plain one first.
-    pub const ALL: [InstructionSet; 2] = [InstructionSet::Plain, InstructionSet::Detected];
+    /// All, the plain one first.
+    pub const ALL: [InstructionSet; 3] = [
+        InstructionSet::Plain,
+        InstructionSet::Avx2,
+        InstructionSet::Detected,
+    ];
 
     /// Does the work, compiled for these instructions.
     #[inline]
     pub(crate) fn run<W: Work>(self, work: W) -> W::Output {
         match self {
             InstructionSet::Plain => work.run(),
+            InstructionSet::Avx2 => {
+                #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+                if let Some(avx2) = pulp::x86::V3::try_new() {
+                    return Simd::vectorize(avx2, Dispatched(work));
+                }
+                work.run()
+            }
             InstructionSet::Detected => Arch::new().dispatch(Dispatched(work)),
         }
     }
@@ -37,6 +50,13 @@ impl fmt::Display for InstructionSet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             InstructionSet::Plain => f.write_str("plain"),
+            InstructionSet::Avx2 => {
+                #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+                if pulp::x86::V3::try_new().is_some() {
+                    return f.write_str("AVX2");
+                }
+                f.write_str("plain")
+            }
             InstructionSet::Detected => match Arch::new() {
                 Arch::Scalar => f.write_str("plain"),
                 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
