@@ -204,7 +204,7 @@ fn software(name: &str, operator: Operator, count: usize) -> bool {
 /// The other ways to the same bits, for information.
 fn other_routes(name: &str, operator: Operator, count: usize) {
     let (a, b) = operands(count);
-    let [mut fast, mut avx2, mut plain, mut single, mut integer] = [(); 4].map(|()| vec![0; count]);
+    let [mut fast, mut avx2, mut plain, mut single, mut integer] = [(); 5].map(|()| vec![0; count]);
     let arithmetic = FloatFormat::E7F16.arithmetic(Policy::Flush, Rounding::NearestEven);
     let through_f64 = arithmetic.through_f64().expect("17 significant bits");
     let on = |set, results: &mut [u32]| {

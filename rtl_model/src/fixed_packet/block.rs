@@ -7,11 +7,12 @@
 //! at are the few that the ray meets before its first candidate. Those that it has left before the depth of
 //! the block are passed over; they can be no candidates, since no cell is higher than its block.
 //!
-//! A step looks at a cell and goes down or across. A cell is held by its side and its far borders,
-//! in texels from the map's origin, which makes leaving a block no case of its own. The side of the next cell is the
-//! largest power of four that divides the border crossed, but at most that of the start level: below
-//! it, a border that divides by four sides is one of the block. The next cell's far borders are the
-//! multiples of its side next beyond the point where the ray is.
+//! A step looks at a cell and goes down or across. A cell is held by its side and, on either axis, by the last
+//! unit before its far border, 2^-24 texel from the map's origin, which makes leaving a block no case of its
+//! own. The side of the next cell is the largest power of four that divides the border crossed, but at most
+//! that of the start level: below it, a border that divides by four sides is one of the block. In units that
+//! side less one is the ones that the last unit before the border ends in, an even number of them; and the
+//! next cell's last unit ends in all of them on both axes.
 //!
 //! Lines read are the times that the walk has gone down, each to a line or to the surface, but for the
 //! first line, which makes up for the last; and the crossings from a block of the start level to the next.
