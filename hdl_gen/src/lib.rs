@@ -1,6 +1,7 @@
 //! From the golden model's datapaths to Verilog, vectors, testbenches and simulators.
 
 pub mod area;
+pub mod blocks;
 mod cache;
 pub mod corpus;
 pub mod datapath;

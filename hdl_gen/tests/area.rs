@@ -15,6 +15,7 @@ use rtl_model::float::Rounding;
 const ONE_SEED: Flow = Flow {
     seeds: 1,
     wide_luts: false,
+    no_dsp: false,
 };
 
 /// Look-up tables that nextpnr takes to drive the constants 0 and 1.
@@ -99,6 +100,53 @@ fn registers_carries_and_multipliers_are_counted() {
     let figures = measured(&product, &tools);
     assert_eq!((figures.ecp5.dsp, figures.xilinx.dsp), (1, 1));
     assert_eq!(figures.ecp5.ff, 0);
+
+    let no_dsp = Flow {
+        no_dsp: true,
+        ..ONE_SEED
+    };
+    let figures = measure_anew(&product, no_dsp, &tools, &|| ()).unwrap();
+    assert_eq!((figures.ecp5.dsp, figures.xilinx.dsp), (0, 0));
+    assert!(figures.ecp5.lut4 > 200, "{:?}", figures.ecp5);
+}
+
+#[test]
+fn memories_are_counted() {
+    let Some(tools) = area_tools() else { return };
+    let mut builder = Builder::new("small_and_large");
+    let enable = builder.input("enable_i", 1);
+    let address = builder.input("address_i", 8);
+    let data = builder.input("data_i", 16);
+    let large = builder.memory("large", 256, 16);
+    builder.memory_write(large, enable, address, data);
+    let read = builder.input("read_i", 8);
+    // The same place is not read and written at once, so that a block RAM will do.
+    let same = builder.equal(read, address);
+    let collides = builder.and(same, enable);
+    let reads = builder.not(collides);
+    let word = builder.memory_read(large, read);
+    let word = builder.registered(word, Some(reads), None);
+    builder.output("word_o", word);
+    let small = builder.memory("small", 16, 8);
+    let low = builder.slice(address, 3, 0);
+    let byte = builder.slice(data, 7, 0);
+    builder.memory_write(small, enable, low, byte);
+    let low = builder.slice(read, 3, 0);
+    let byte = builder.memory_read(small, low);
+    builder.output("byte_o", byte);
+    let figures = measured(&builder.finish(), &tools);
+    let ecp5 = figures.ecp5;
+    assert_eq!((ecp5.bram, ecp5.lut4_memory), (1, 12), "{ecp5:?}");
+    // The comparison, and nothing else.
+    assert!((18..=30).contains(&ecp5.lut4), "{ecp5:?}");
+    assert!(ecp5.lut4_taken >= ecp5.lut4, "{ecp5:?}");
+    assert_eq!(
+        (figures.xilinx.bram, ecp5.ff),
+        (1, 0),
+        "{:?}",
+        figures.xilinx
+    );
+    assert!(figures.xilinx.lut6_memory > 0, "{:?}", figures.xilinx);
 }
 
 #[test]

@@ -7,23 +7,30 @@ use serde::{Deserialize, Serialize};
 
 use super::mapped::MappedNetlist;
 use super::tools::Tools;
-use super::{AreaError, read};
+use super::{AreaError, Flow, read};
 
 /// What a module takes on an ECP5 of 85 thousand look-up tables, speed grade 6.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ecp5 {
     /// Look-up tables of four inputs that are taken: nextpnr's `TRELLIS_COMB`. Those that hold
     /// logic, two for every carry cell, those that lead into and out of carry chains, and one or
-    /// two that drive the constants 0 and 1.
+    /// two that drive the constants 0 and 1. Distributed memory takes six for 16 words of 4 bits:
+    /// three slices of two, as its data sheet says (FPGA-DS-02012, distributed RAM).
     pub lut4_taken: u64,
-    /// Of those the ones that hold logic.
+    /// Of those the ones that hold logic or distributed memory.
     pub lut4: u64,
+    /// Of those the ones of distributed memory.
+    #[serde(default)]
+    pub lut4_memory: u64,
     /// Registers, without the layers around the module.
     pub ff: u64,
     /// Carry cells of two bits, `CCU2C`.
     pub carry: u64,
     /// Multipliers of 18 by 18 bits, `MULT18X18D`.
     pub dsp: u64,
+    /// Block RAMs of 18 Kbit, `DP16KD`.
+    #[serde(default)]
+    pub bram: u64,
     /// The highest clock from register to register, in MHz: the median of the seeds.
     pub fmax_mhz: f64,
     /// The same of every seed, from seed 1 on.
@@ -33,10 +40,18 @@ pub struct Ecp5 {
 /// What synthesis alone can tell.
 pub(super) struct Synthesised {
     lut4: u64,
+    lut4_memory: u64,
     ff: u64,
     carry: u64,
     dsp: u64,
+    bram: u64,
 }
+
+/// Look-up tables that a `TRELLIS_DPR16X4` takes: four hold the words, and the slice that feeds
+/// them what is written can do nothing else.
+const LUT4_OF_MEMORY: u64 = 6;
+/// Those of them that nextpnr counts as `TRELLIS_COMB`; the rest is a `TRELLIS_RAMW`.
+const LUT4_OF_WRITING: u64 = 2;
 
 /// What one placement tells.
 pub(super) struct Placed {
@@ -49,25 +64,30 @@ const NETLIST: &str = "ecp5.json";
 
 /// Maps the design to ECP5. With `wide_luts` abc may build functions of up to seven inputs out of
 /// pairs of look-up tables and multiplexers, which is Yosys's default; without (`-nowidelut`)
-/// logic like ours takes fewer of them.
+/// logic like ours takes fewer of them. With `no_dsp` products are made of look-up tables.
 pub(super) fn synthesise(
     tools: &Tools,
     folder: &Path,
     sources: &str,
     top: &str,
-    wide_luts: bool,
+    flow: Flow,
 ) -> Result<Synthesised, AreaError> {
-    let option = if wide_luts { "" } else { " -nowidelut" };
-    let script = format!("read_verilog {sources}; synth_ecp5{option} -top {top} -json {NETLIST}");
+    let wide = if flow.wide_luts { "" } else { " -nowidelut" };
+    let dsp = if flow.no_dsp { " -nodsp" } else { "" };
+    let script =
+        format!("read_verilog {sources}; synth_ecp5{wide}{dsp} -top {top} -json {NETLIST}");
     tools.yosys.run(folder, &["-q", "-p", &script])?;
     let text = read(&folder.join(NETLIST))?;
     let netlist =
         MappedNetlist::read(&text, top).map_err(|problem| tools.yosys.unreadable(problem))?;
+    let lut4_memory = LUT4_OF_MEMORY * netlist.count(&["TRELLIS_DPR16X4"]);
     Ok(Synthesised {
-        lut4: netlist.count(&["LUT4"]),
+        lut4: netlist.count(&["LUT4"]) + lut4_memory,
+        lut4_memory,
         ff: netlist.registers_within("TRELLIS_FF", "DI", "Q"),
         carry: netlist.count(&["CCU2C"]),
         dsp: netlist.count(&["MULT18X18D"]),
+        bram: netlist.count(&["DP16KD", "PDPW16KD"]),
     })
 }
 
@@ -92,9 +112,11 @@ pub(super) fn summary(synthesised: &Synthesised, placed: &[Placed]) -> Ecp5 {
             .max()
             .unwrap_or_default(),
         lut4: synthesised.lut4,
+        lut4_memory: synthesised.lut4_memory,
         ff: synthesised.ff,
         carry: synthesised.carry,
         dsp: synthesised.dsp,
+        bram: synthesised.bram,
         fmax_mhz: median(&fmax_mhz_of_seeds),
         fmax_mhz_of_seeds,
     }
@@ -136,7 +158,9 @@ struct Utilization {
 fn placed(text: &str) -> Result<Placed, String> {
     let report: Report = serde_json::from_str(text).map_err(|problem| problem.to_string())?;
     let comb = report.utilization.get("TRELLIS_COMB");
-    let lut4_taken = comb.ok_or("no TRELLIS_COMB in its report")?.used;
+    let comb = comb.ok_or("no TRELLIS_COMB in its report")?.used;
+    let writing = report.utilization.get("TRELLIS_RAMW");
+    let lut4_taken = comb + LUT4_OF_WRITING * writing.map_or(0, |cells| cells.used);
     let clocks: Vec<&Clock> = report.fmax.values().collect();
     match clocks[..] {
         [clock] if clock.achieved > 0.0 => Ok(Placed {
@@ -161,6 +185,9 @@ mod tests {
     fn a_report_is_read_and_a_broken_one_refused() {
         let read = placed(REPORT).unwrap();
         assert_eq!((read.lut4_taken, read.fmax_mhz), (449, 58.37));
+        let memory = r#""utilization": {"TRELLIS_RAMW": {"available": 9, "used": 3}, "#;
+        let with_memory = REPORT.replacen(r#""utilization": {"#, memory, 1);
+        assert_eq!(placed(&with_memory).unwrap().lut4_taken, 455);
         for (old, new) in [
             ("TRELLIS_COMB", "LUT4"),
             (r#""$glbnet$clk""#, r#""x": {"achieved": 1}, "$glbnet$clk""#),

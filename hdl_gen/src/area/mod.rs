@@ -97,6 +97,8 @@ pub struct Flow {
     /// Leaves out Yosys's `-nowidelut`: functions of up to seven inputs may be built of
     /// multiplexers, as it does unless told. Such logic takes more look-up tables.
     pub wide_luts: bool,
+    /// Multiplies in look-up tables: no hard multiplier is used, on either device.
+    pub no_dsp: bool,
 }
 
 impl Flow {
@@ -104,6 +106,7 @@ impl Flow {
     pub const DEFAULT: Flow = Flow {
         seeds: 3,
         wide_luts: false,
+        no_dsp: false,
     };
 
     /// How many steps a measurement takes: what [`measure`] tells of.
@@ -164,11 +167,17 @@ pub fn measure_anew(
     let sources = write_design(&wrapper, folder)?;
     let core_sources = names(&sources[..sources.len() - 1]);
     let sources = names(&sources);
-    let synthesised = ecp5::synthesise(tools, folder, &sources, &wrapper.name, flow.wide_luts)?;
+    let synthesised = ecp5::synthesise(tools, folder, &sources, &wrapper.name, flow)?;
     step();
     let answers = in_parallel(flow.steps() as usize - 1, |job| {
         let answer = match job {
-            0 => Answer::Xilinx(xilinx::synthesise(tools, folder, &sources, &wrapper.name)?),
+            0 => Answer::Xilinx(xilinx::synthesise(
+                tools,
+                folder,
+                &sources,
+                &wrapper.name,
+                flow,
+            )?),
             1 => Answer::Gates(gates::synthesise(
                 tools,
                 folder,

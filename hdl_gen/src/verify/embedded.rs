@@ -127,7 +127,7 @@ pub fn run_embedded(
 }
 
 /// A probe's path in the embedded simulator, which does not name the top module.
-fn embedded_path(probe: &crate::units::Probe) -> String {
+pub(super) fn embedded_path(probe: &crate::units::Probe) -> String {
     let mut parts: Vec<&str> = probe.scope.iter().skip(1).map(String::as_str).collect();
     parts.push(&probe.name);
     parts.join(".")

@@ -1,5 +1,6 @@
 //! Hardware held against the golden model, output by output and cycle by cycle.
 
+mod clocked;
 mod divergence;
 mod embedded;
 mod golden;
@@ -15,6 +16,7 @@ mod vectors;
 mod verilator;
 mod waveform;
 
+pub use clocked::{ClockedRun, ClockedTraffic};
 pub use divergence::{Comparison, Divergence};
 pub use embedded::run_embedded;
 pub use golden::{GoldenRun, History};

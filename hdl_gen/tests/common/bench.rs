@@ -13,6 +13,7 @@ use hdl_gen::simulate::Simulator;
 pub type Stimuli = Vec<Vec<(u64, Vec<u64>)>>;
 
 /// Stimuli from a seed, by the splitmix64 generator (Steele et al., OOPSLA 2014).
+#[allow(dead_code)] // not every test program makes them up
 pub fn stimuli(designs: &[Arc<Module>], cycles: usize, mut seed: u64) -> Stimuli {
     let mut random = || {
         seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);

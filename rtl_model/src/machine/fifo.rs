@@ -77,6 +77,8 @@ impl FifoShape {
             ));
         }
         signals.push(Declared::output("count_o", pointer + 1));
+        signals.push(Declared::wire("puts", 1));
+        signals.push(Declared::wire("takes", 1));
         signals.push(Declared::register("count", pointer + 1, 0));
         signals.push(Declared::register("write_pointer", pointer, 0));
         signals.push(Declared::register("read_pointer", pointer, 0));
@@ -166,12 +168,15 @@ impl ClockedUnit for Fifo {
         self.shape.declaration()
     }
 
-    fn observe(&self, _driven: &[u64], words: &mut Vec<u64>) {
+    fn observe(&self, driven: &[u64], words: &mut Vec<u64>) {
         let outputs = self.outputs();
+        let out_ready = driven[1 + self.shape.fields.len()] != 0;
         words.push(outputs.in_ready.into());
         words.push(outputs.out_valid.into());
         words.extend_from_slice(outputs.out);
         words.push(outputs.count.into());
+        words.push((driven[0] != 0 && outputs.in_ready).into());
+        words.push((outputs.out_valid && out_ready).into());
         words.push(outputs.count.into());
         words.push(self.pointer(self.put) as u64);
         words.push(self.pointer(self.taken) as u64);
@@ -232,7 +237,7 @@ mod tests {
         ClockedUnit::clock(&mut fifo, &[1, 7, 9, 0]);
         let mut words = Vec::new();
         fifo.observe(&[0, 0, 0, 0], &mut words);
-        assert_eq!(words, [1, 1, 7, 9, 1, 1, 1, 0]);
+        assert_eq!(words, [1, 1, 7, 9, 1, 0, 0, 1, 1, 0]);
         assert_eq!(fifo.declaration().len(), 4 + words.len());
     }
 

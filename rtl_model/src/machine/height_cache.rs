@@ -149,15 +149,16 @@ impl HeightCacheShape {
                 signals.push(Declared::output(name, COUNTER_BITS));
             }
         }
+        for name in ["writes", "collides", "fills", "notes"] {
+            signals.push(Declared::wire(name, 1));
+        }
         signals.push(Declared::register("swept", self.index_bits() + 1, 0));
         for stage in 1..=self.latency {
             let named = |name: &str| format!("{name}_s{stage}");
             signals.push(Declared::register(named("lookup_valid"), 1, 0));
-            signals.push(Declared::data_register(
-                named("lookup_address"),
-                self.address_bits(),
-            ));
-            signals.push(Declared::data_register(named("collided"), 1));
+            let address = self.address_bits();
+            signals.push(Declared::register(named("lookup_address"), address, 0));
+            signals.push(Declared::register(named("collided"), 1, 1));
             signals.push(Declared::data_register(named("stored_valid"), 1));
             signals.push(Declared::data_register(
                 named("stored_tag"),
@@ -276,7 +277,10 @@ impl HeightCache {
             tags: vec![(false, 0); shape.lines as usize],
             words: vec![0; (shape.lines * shape.beats()) as usize],
             swept: 0,
-            reads: [Read::default(); 2],
+            reads: [Read {
+                collided: true,
+                ..Read::default()
+            }; 2],
             noted_lines: vec![0; shape.pending as usize],
             noted: 0,
             asked: 0,
@@ -364,9 +368,8 @@ impl HeightCache {
         let outputs = self.outputs();
         let answered = *self.answered();
         // What of the past is decided in this cycle.
-        let room = self.noted - self.freed < u64::from(self.shape.pending);
         let missing = self.line(answered.address);
-        let notes = outputs.answer_valid && !outputs.hit && room && !self.is_noted(missing);
+        let notes = self.notes();
         self.hits += u64::from(outputs.hit);
         self.misses += u64::from(outputs.answer_valid && !outputs.hit);
 
@@ -382,20 +385,31 @@ impl HeightCache {
         }
     }
 
+    /// Is the line of the lookup that is answered in this cycle taken note of?
+    fn notes(&self) -> bool {
+        let answered = self.answered();
+        let room = self.noted - self.freed < u64::from(self.shape.pending);
+        let missed = answered.valid && !self.is_hit(answered);
+        missed && room && !self.is_noted(self.line(answered.address))
+    }
+
+    /// The index that is written in this cycle: a tag is cleared, or a beat arrives.
+    fn written(&self, inputs: &HeightCacheInputs) -> Option<usize> {
+        if self.swept < self.shape.lines {
+            return Some(self.swept as usize);
+        }
+        let filling = self.noted_lines[self.slot(self.filled)];
+        inputs.beat_valid.then(|| self.index(filling))
+    }
+
     /// Reads what stands at a lookup's index, before this cycle's beat is written.
     fn look_up(&mut self, inputs: &HeightCacheInputs, ready: bool) {
         let line = self.line(inputs.lookup_address);
         let index = self.index(line);
-        let written = if ready {
-            let filling = self.noted_lines[self.slot(self.filled)];
-            inputs.beat_valid.then(|| self.index(filling))
-        } else {
-            Some(self.swept as usize)
-        };
         let mut read = Read {
             valid: inputs.lookup_valid && ready,
             address: inputs.lookup_address,
-            collided: written == Some(index),
+            collided: self.written(inputs) == Some(index),
             // The registers behind the memories keep what they hold in a collision.
             ..self.reads[0]
         };
@@ -453,7 +467,8 @@ impl ClockedUnit for HeightCache {
         self.shape.declaration()
     }
 
-    fn observe(&self, _driven: &[u64], words: &mut Vec<u64>) {
+    fn observe(&self, driven: &[u64], words: &mut Vec<u64>) {
+        let inputs = HeightCacheInputs::of_words(driven);
         let outputs = self.outputs();
         words.extend([
             u64::from(outputs.lookup_ready),
@@ -466,6 +481,11 @@ impl ClockedUnit for HeightCache {
             let counter = |count: u64| count & ((1 << COUNTER_BITS) - 1);
             words.extend([self.hits, self.misses, self.noted].map(counter));
         }
+        let written = self.written(&inputs);
+        let looked_up = self.index(self.line(inputs.lookup_address));
+        let fills = inputs.beat_valid && self.beat + 1 == self.shape.beats();
+        let collides = written == Some(looked_up);
+        words.extend([written.is_some(), collides, fills, self.notes()].map(u64::from));
         words.push(self.swept.into());
         for read in &self.reads[..self.shape.latency as usize] {
             words.extend([

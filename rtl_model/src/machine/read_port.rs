@@ -107,6 +107,8 @@ impl ReadPortShape {
             Declared::output("mem_arburst_o", 2),
             Declared::output("mem_arid_o", self.id_bits),
             Declared::output("mem_rready_o", 1),
+            Declared::wire("takes_request", 1),
+            Declared::wire("takes_beat", 1),
             Declared::data_register("asked_line", self.line_bits),
             Declared::register("outstanding", self.outstanding_bits(), 0),
             Declared::register("beat_index", bits_for(self.beats), 0),
@@ -294,7 +296,8 @@ impl ClockedUnit for ReadPort {
     }
 
     fn observe(&self, driven: &[u64], words: &mut Vec<u64>) {
-        let outputs = self.outputs(&ReadPortInputs::of_words(driven));
+        let inputs = ReadPortInputs::of_words(driven);
+        let outputs = self.outputs(&inputs);
         words.extend([
             u64::from(outputs.request_ready),
             outputs.beat_valid.into(),
@@ -309,6 +312,8 @@ impl ClockedUnit for ReadPort {
             1,
             outputs.ar.id,
             outputs.rready.into(),
+            (inputs.request_valid && outputs.request_ready).into(),
+            (inputs.r.valid && outputs.rready).into(),
             self.asked_line,
             self.outstanding(),
             self.beats % u64::from(self.shape.beats),

@@ -82,6 +82,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     let flow = Flow {
         seeds: arguments.seeds,
         wide_luts: arguments.wide_luts,
+        no_dsp: false,
     };
     let subjects: Vec<(ChosenOperator, Flow)> = match arguments.table {
         Some(_) => table::subjects(flow)?,

@@ -338,16 +338,20 @@ mod tests {
             ecp5: Ecp5 {
                 lut4: lut4 / 2,
                 lut4_taken: lut4,
+                lut4_memory: 0,
                 ff: 24,
                 carry: 5,
                 dsp,
+                bram: 0,
                 fmax_mhz,
                 fmax_mhz_of_seeds: vec![fmax_mhz],
             },
             xilinx: Xilinx {
                 lut6: 300,
+                lut6_memory: 0,
                 carry: 4,
                 dsp,
+                bram: 0,
             },
             gates: Gates {
                 cells: 1000,
