@@ -18,7 +18,7 @@ fn pyramid() -> Pyramid {
     Pyramid::new(&source.load(Channel::Grey, false).unwrap())
 }
 
-/// Every method in a float and, where it has one, in exact fixed point; and a method by an offset.
+/// Every method in each of a float and exact fixed point that it has; and a method by an offset.
 fn walks() -> Vec<Walk> {
     let formats = [
         WalkFormat::Float(FloatFormat::E7F16),
@@ -39,6 +39,11 @@ fn walks() -> Vec<Walk> {
             !(samples && walk.format == WalkFormat::Fixed(None))
         })
         .collect();
+    walks.extend(Method::FIXED_ONLY.map(|method| Walk {
+        method,
+        format: formats[1],
+        crossing: Crossing::Index,
+    }));
     walks.push(Walk {
         method: Method::Tevs,
         format: formats[0],

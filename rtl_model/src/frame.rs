@@ -227,7 +227,7 @@ pub fn walk_scene(
     let (width, height) = (scene.frame.width, scene.frame.height);
     let hits = match scene.walk.method.family() {
         Family::Linear(search) => walk_sampled(scene, search, pyramid, progress)?,
-        Family::Nodes(_) | Family::Wide { .. } | Family::Window => {
+        Family::Nodes(_) | Family::Wide { .. } | Family::Window | Family::Bounded { .. } => {
             let view = scene.view();
             let mut hits = vec![None; width as usize * height as usize];
             let ray_of = |walker: &Walker<'_>, pixel| {

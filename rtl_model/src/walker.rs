@@ -19,6 +19,9 @@ use crate::ray::{self, Ray, RayError};
 use crate::ray_format::{RayFormat, RayFormatError};
 use crate::readings::{E7F16, ExactReading, F64Reading, FloatReading, NumberFormat, enter};
 use crate::scene::{Crossing, Family, LinearSearch, Method, Walk, WalkFormat};
+use crate::units::bounded::bounded_walk;
+use crate::units::bounded_leaf::corner_bits;
+use crate::units::bounded_shape::BoundedShape;
 use crate::units::fixed_shape::FixedShape;
 use crate::units::fixed_traverse::fixed_walk;
 use crate::units::linear_ray::{LINEAR_SAMPLES, LinearRay, NOMINAL_DEPTH, SampleRange};
@@ -119,6 +122,8 @@ pub(crate) enum Way {
     Wide { log2_side: u32 },
     /// A window of nodes a step, from the ray's own on.
     Window,
+    /// A line a step, compared with bounds.
+    Bounded { log2_side: u32 },
     /// A node a step, found anew from a position this many texels beyond the border.
     Offset(SearchPolicy, f64),
     /// A sample a step.
@@ -144,6 +149,14 @@ impl Way {
             (_, Crossing::Offset(_)) if is_fixed => Err(WalkerError::Unsupported {
                 walk,
                 why: "in fixed point no position is rounded into a node; leave the crossing out",
+            }),
+            (Family::Bounded { log2_side }, Crossing::Index) if is_fixed => {
+                Ok(Way::Bounded { log2_side })
+            }
+            (Family::Bounded { .. }, _) => Err(WalkerError::Unsupported {
+                walk,
+                why: "its bounds are those of a quantised ray, and it walks by the index: take format \
+                      fixed, or method quad or block",
             }),
             (Family::Nodes(policy), Crossing::Index) => Ok(Way::Nodes(policy)),
             (Family::Wide { log2_side }, Crossing::Index) => Ok(Way::Wide { log2_side }),
@@ -351,6 +364,10 @@ fn longest_word(way: Way, words: FixedShape) -> u32 {
     match way {
         Way::Wide { log2_side } => WideFixedShape { words, log2_side }.line_error_bits(),
         Way::Window => WindowFixedShape { words }.window_error_bits(),
+        Way::Bounded { log2_side } => {
+            let shape = BoundedShape::new(words, log2_side);
+            corner_bits(shape).max(shape.bound_bits())
+        }
         Way::Nodes(_) | Way::Offset(..) | Way::Linear { .. } => 0,
     }
 }
@@ -365,6 +382,10 @@ fn walk_fixed(format: RayFormat, way: Way, pyramid: &Pyramid, ray: Ray<f64>) -> 
             wide_fixed_walk(shape, pyramid.lines(log2_side), &ray)
         }
         Way::Window => window_fixed_walk(WindowFixedShape { words }, pyramid, &ray),
+        Way::Bounded { log2_side } => {
+            let shape = BoundedShape::new(words, log2_side);
+            bounded_walk(shape, pyramid.lines(log2_side), &ray)
+        }
         Way::Offset(..) | Way::Linear { .. } => {
             unreachable!("refused when the walker was made")
         }
@@ -394,6 +415,7 @@ pub(crate) fn walk_in<R: NumberFormat>(
             wide_walk(reading, shape, pyramid.lines(log2_side), entered)
         }
         Way::Window => window_walk(reading, pyramid, entered),
+        Way::Bounded { .. } => unreachable!("refused outside fixed point"),
         Way::Offset(policy, texels) => {
             let shape = offset_shape_for(pyramid, policy, texels);
             walk_by_offset(reading, shape, pyramid.memory(), entered)

@@ -48,6 +48,7 @@ impl Walks {
         let methods: Vec<Method> = match self.method.as_slice() {
             [] => Method::ALL
                 .into_iter()
+                .chain(Method::FIXED_ONLY)
                 .filter(|method| method.is_safe())
                 .collect(),
             own => own.to_vec(),

@@ -6,6 +6,8 @@ use rayon::prelude::*;
 use rtl_model::exact::exact_hit;
 use rtl_model::ray_format::QuantisedRay;
 use rtl_model::scene::{Family, Method};
+use rtl_model::units::bounded::bounded_walk;
+use rtl_model::units::bounded_shape::BoundedShape;
 use rtl_model::units::fixed_traverse::{FixedHit, fixed_walk};
 use rtl_model::units::traverse::Status;
 use rtl_model::units::wide_fixed::wide_fixed_walk;
@@ -60,6 +62,10 @@ fn walk(scene: &WalkScene, rays: &RaySource, method: Method, ray: &QuantisedRay)
             wide_fixed_walk(shape, scene.pyramid.lines(log2_side), ray)
         }
         Family::Window => window_fixed_walk(WindowFixedShape { words }, &scene.pyramid, ray),
+        Family::Bounded { log2_side } => {
+            let shape = BoundedShape::new(words, log2_side);
+            bounded_walk(shape, scene.pyramid.lines(log2_side), ray)
+        }
         Family::Linear(_) => panic!("{method} samples"),
     }
 }

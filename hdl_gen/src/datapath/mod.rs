@@ -2,6 +2,7 @@
 //! stages, built as a module.
 
 mod build;
+mod delay;
 mod integer_product;
 mod record;
 mod schedule;
@@ -9,6 +10,9 @@ mod signal;
 mod word_logic;
 
 pub use build::{BuiltDatapath, PipelineRegister, Source, build};
+pub use delay::Delay;
 pub use record::{Output, Recorder, Recording};
-pub use schedule::{OperatorLatencies, Schedule, schedule};
+pub use schedule::{
+    OperatorLatencies, Schedule, schedule, schedule_in_stages, schedule_within, shortest_period,
+};
 pub use signal::{BitSignal, IntSignal, Kind, NumSignal, Recorded, RecordedOperation, SignalId};

@@ -103,6 +103,7 @@ impl UnitConfiguration {
             | AnyStep::WideFixed(_)
             | AnyStep::Window(_)
             | AnyStep::WindowFixed(_)
+            | AnyStep::Bounded(_)
             | AnyStep::Linear(_) => Err(NoHardware::NoLoop {
                 method: self.method.to_string(),
                 format: match self.has_numbers() {

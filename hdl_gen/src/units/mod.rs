@@ -1,6 +1,7 @@
 //! The units of the hardware as modules: recorded from the golden model's datapaths, with control
 //! built anew around them.
 
+mod bounded_datapaths;
 mod configuration;
 mod probe;
 mod traverse;
@@ -8,6 +9,7 @@ mod traverse_datapaths;
 mod traverse_probes;
 mod traverse_step_unit;
 
+pub use bounded_datapaths::{build_bounded, record_bounded};
 pub use configuration::{NoHardware, UnitConfiguration};
 pub use probe::{CycleLayout, CycleWords, Probe};
 pub use traverse::TraverseUnit;

@@ -39,6 +39,11 @@ pub enum Method {
     /// The 4 x 4 nodes from the ray's own on are read at once, from sixteen banks, and looked at in
     /// one step.
     Window,
+    /// As `quad`, by bounds of the depths of borders, with neither divider nor multiplier in a step. In
+    /// fixed point only.
+    BoundedQuad,
+    /// As `block`, likewise.
+    BoundedBlock,
     /// Linear steps, then binary ones (Policarpo, Oliveira and Comba 2005). May miss.
     Relief,
     /// Linear steps over a piecewise-linear profile, then a secant (Tatarchuk 2006). May miss.
@@ -60,6 +65,11 @@ pub enum Family {
     },
     /// A window of 4 x 4 nodes a step, from the ray's own node on.
     Window,
+    /// A word of several nodes a step, compared with bounds; in fixed point only.
+    Bounded {
+        /// As of [`Family::Wide`].
+        log2_side: u32,
+    },
     /// Samples along the ray, with no promise not to miss.
     Linear(LinearSearch),
 }
@@ -76,7 +86,8 @@ pub enum LinearSearch {
 }
 
 impl Method {
-    /// All of them, in the order of the documentation; of the levels down, the paper's choice.
+    /// Those of every number format, in the order of the documentation; of the levels down, the
+    /// paper's choice.
     pub const ALL: [Method; 16] = [
         Method::Texel,
         Method::Oh,
@@ -95,6 +106,9 @@ impl Method {
         Method::Pom,
         Method::Dig,
     ];
+
+    /// Those of fixed point alone.
+    pub const FIXED_ONLY: [Method; 2] = [Method::BoundedQuad, Method::BoundedBlock];
 
     /// The most levels that `multi-level-down` goes at once.
     pub const MOST_LEVELS_DOWN: u32 = 4;
@@ -115,6 +129,8 @@ impl Method {
             Method::Quad => "quad",
             Method::Block => "block",
             Method::Window => "window",
+            Method::BoundedQuad => "bounded-quad",
+            Method::BoundedBlock => "bounded-block",
             Method::Relief => "relief",
             Method::Pom => "pom",
             Method::Dig => "dig",
@@ -144,6 +160,8 @@ impl Method {
             Method::Quad => Family::Wide { log2_side: 1 },
             Method::Block => Family::Wide { log2_side: 2 },
             Method::Window => Family::Window,
+            Method::BoundedQuad => Family::Bounded { log2_side: 1 },
+            Method::BoundedBlock => Family::Bounded { log2_side: 2 },
             Method::Relief => Family::Linear(LinearSearch::Relief),
             Method::Pom => Family::Linear(LinearSearch::Pom),
             Method::Dig => Family::Linear(LinearSearch::Dig),
@@ -164,7 +182,9 @@ impl Method {
 
     /// All names, for messages and help.
     pub fn list() -> String {
-        Method::ALL.map(Method::name).join(", ")
+        let fixed_only = Method::FIXED_ONLY.map(Method::name).join(", ");
+        let all = Method::ALL.map(Method::name).join(", ");
+        format!("{all}; in fixed point {fixed_only}")
     }
 }
 
@@ -182,6 +202,7 @@ impl FromStr for Method {
         }
         Method::ALL
             .into_iter()
+            .chain(Method::FIXED_ONLY)
             .find(|method| method.name() == text)
             .ok_or_else(|| WalkError::UnknownMethod {
                 text: text.to_owned(),
@@ -215,7 +236,8 @@ mod tests {
     #[test]
     fn methods_read_back_from_their_names() {
         let levels = (1..=Method::MOST_LEVELS_DOWN).map(Method::MultiLevelDown);
-        for method in Method::ALL.into_iter().chain(levels) {
+        let methods = Method::ALL.into_iter().chain(Method::FIXED_ONLY);
+        for method in methods.chain(levels) {
             assert_eq!(method.to_string().parse(), Ok(method));
         }
     }

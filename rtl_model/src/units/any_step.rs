@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::bounded_unit::BoundedStep;
 use super::fixed_node_step::FixedStep;
 use super::linear_step::LinearStep;
 use super::linear_walk::linear_shape_for;
@@ -37,6 +38,8 @@ pub enum AnyStep {
     Window(WindowStep),
     /// The same in exact fixed point.
     WindowFixed(WindowFixedStep),
+    /// A line of nodes a step by bounds, in exact fixed point.
+    Bounded(BoundedStep),
     /// A node a step, borders crossed by an offset.
     Offset(OffsetNodeStep),
     /// A sample a step.
@@ -74,6 +77,12 @@ impl AnyStep {
             (Family::Wide { log2_side }, Crossing::Index, Some(format)) => {
                 Ok(AnyStep::WideFixed(WideFixedStep::new(format, log2_side)))
             }
+            (Family::Bounded { log2_side }, Crossing::Index, Some(format)) => {
+                Ok(AnyStep::Bounded(BoundedStep::new(format, log2_side)))
+            }
+            (Family::Bounded { .. }, _, _) => {
+                unsupported("it walks in fixed point by the index; take fixed")
+            }
             (Family::Window, Crossing::Index, None) => Ok(AnyStep::Window(WindowStep {
                 shape: window_shape_for(pyramid),
             })),
@@ -109,6 +118,7 @@ macro_rules! of_any {
             AnyStep::WideFixed($step) => $call,
             AnyStep::Window($step) => $call,
             AnyStep::WindowFixed($step) => $call,
+            AnyStep::Bounded($step) => $call,
             AnyStep::Offset($step) => $call,
             AnyStep::Linear($step) => $call,
         }

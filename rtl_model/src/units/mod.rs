@@ -1,6 +1,14 @@
 //! The hardware's units, each datapath written once over [`crate::arith::Arith`].
 
 pub mod any_step;
+pub mod bounded;
+pub mod bounded_datapaths;
+pub mod bounded_leaf;
+mod bounded_line;
+pub mod bounded_setup;
+pub mod bounded_shape;
+pub mod bounded_step;
+pub mod bounded_unit;
 mod fixed_answer;
 mod fixed_ascent;
 mod fixed_child;
