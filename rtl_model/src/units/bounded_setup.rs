@@ -11,7 +11,7 @@
 //! that it is exactly the one quotient less so many of the other, with no product. Hardware has
 //! [`setup_digit`] as often as it makes digits a cycle.
 
-use super::bounded_shape::{BoundedShape, LINE_BITS};
+use super::bounded_shape::{BoundedShape, LINE_BITS, MOST_BOUNDED_LINES};
 use super::fixed_setup::{FixedRayRegisters, fixed_mirror, shift_right_by};
 use crate::arith::Arith;
 
@@ -310,19 +310,31 @@ fn start_line<A: Arith>(a: &mut A, shape: BoundedShape, ray: &FixedRayRegisters<
     line
 }
 
-/// What belongs to a line, for the line of this number.
+/// What belongs to a line, for the line of this number: a tree of selectors, each by a bit of it.
 pub(super) fn by_line<A: Arith>(
     a: &mut A,
     shape: BoundedShape,
     line: A::Int,
     mut of: impl FnMut(&mut A, usize) -> A::Int,
 ) -> A::Int {
-    let mut chosen = of(a, 0);
-    for n in 1..shape.line_levels() {
-        let number = a.int_constant(n as i64);
-        let is_this = a.int_equal(line, number);
-        let here = of(a, n);
-        chosen = a.int_select(is_this, here, chosen);
+    let count = shape.line_levels();
+    let mut words = [line; MOST_BOUNDED_LINES];
+    for (n, word) in words[..count].iter_mut().enumerate() {
+        *word = of(a, n);
     }
-    chosen
+    let zero = a.int_constant(0);
+    let (mut left, mut bit) = (count, 1);
+    while left > 1 {
+        let mask = a.int_constant(bit);
+        let digit = a.int_and(line, mask);
+        let is_even = a.int_equal(digit, zero);
+        for n in 0..left.div_ceil(2) {
+            words[n] = match 2 * n + 1 < left {
+                true => a.int_select(is_even, words[2 * n], words[2 * n + 1]),
+                false => words[2 * n],
+            };
+        }
+        (left, bit) = (left.div_ceil(2), 2 * bit);
+    }
+    words[0]
 }

@@ -373,26 +373,38 @@ fn near_border<A: Arith>(
     a.name_int(names.cell, cell);
     let block = shift_left_by(a, cell, bits, shape.log2_side);
     let block = a.int_wrap(block, bits);
+    // So many blocks on, or one back: less is added with all bits inverted and a one carried in, by a
+    // bit below the last on either side.
     let zero = a.int_constant(0);
+    let one = a.int_constant(1);
+    let is_back = a.int_less_than(blocks, zero);
     let mut way = zero;
-    for place in [1, 2, 3, -1] {
-        if place >> shape.log2_side > 0 {
-            continue;
-        }
+    for place in 1..1_i64 << shape.log2_side {
         let number = a.int_constant(place);
         let is_here = a.int_equal(blocks, number);
         let times = match place {
-            1 => block,
+            1 => {
+                let is_one = a.or(is_here, is_back);
+                way = a.int_select(is_one, block, way);
+                continue;
+            }
             2 => shift_left_by(a, block, bits, 1),
-            3 => {
+            _ => {
                 let twice = shift_left_by(a, block, bits, 1);
                 a.int_add(twice, block)
             }
-            _ => a.int_sub(zero, block),
         };
         way = a.int_select(is_here, times, way);
     }
-    let near = a.int_add(base, way);
+    let way = a.int_complement_if(is_back, way);
+    let way = a.int_wrap(way, bits);
+    let carry = a.int_from_bit(is_back);
+    let way = a.int_shift_left(way, one, 1);
+    let way = a.int_or(way, carry);
+    let base = a.int_shift_left(base, one, 1);
+    let base = a.int_or(base, carry);
+    let sum = a.int_add(base, way);
+    let near = shift_right_by(a, sum, 1);
     // What every border of a block is between.
     let near = a.int_wrap(near, bits);
     a.name_int(names.near, near);
