@@ -318,12 +318,13 @@ pub(super) fn bounded_walk_of<A: Arith>(
     }
 }
 
-/// The registers of a walk in a row.
+/// Appends the registers of a walk to a row.
 pub(super) fn bounded_walk_row<A: Arith>(
     shape: BoundedShape,
     walk: &BoundedWalk<A>,
-) -> Vec<Signal<A>> {
-    let mut row = [walk.line, walk.i, walk.j].map(Signal::Integer).to_vec();
+    row: &mut Vec<Signal<A>>,
+) {
+    row.extend([walk.line, walk.i, walk.j].map(Signal::Integer));
     row.push(Signal::Bit(walk.from_own_line));
     row.extend([walk.column, walk.row].map(Signal::Integer));
     let kept = &walk.kept[..shape.line_levels()];
@@ -332,7 +333,6 @@ pub(super) fn bounded_walk_row<A: Arith>(
     row.extend([walk.steps, walk.crossings].map(Signal::Integer));
     row.extend([walk.hit, walk.guard].map(Signal::Bit));
     row.push(Signal::Integer(walk.depth));
-    row
 }
 
 fn step_outputs<A: Arith>(
@@ -357,7 +357,8 @@ fn step_outputs<A: Arith>(
     let result = bounded_step(a, shape, &ray, &walk, base, heights);
     let mut outputs = vec![("line_address", Signal::Integer(address))];
     let names = bounded_walk_registers(shape).into_iter();
-    let signals = bounded_walk_row(shape, &result.walk);
+    let mut signals = Vec::new();
+    bounded_walk_row(shape, &result.walk, &mut signals);
     outputs.extend(names.map(|(name, _)| name).zip(signals));
     outputs.push(("t_near_u", Signal::Integer(result.t_near.0)));
     outputs.push(("t_near_v", Signal::Integer(result.t_near.1)));

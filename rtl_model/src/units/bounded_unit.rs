@@ -133,22 +133,21 @@ impl Step for BoundedStep {
         [ray.u, ray.v, ray.du, ray.dv].map(Signal::Integer).to_vec()
     }
 
-    fn set_up<A: Arith>(&self, a: &mut A, ray: &[Signal<A>]) -> Vec<Signal<A>> {
+    fn set_up_into<A: Arith>(&self, a: &mut A, ray: &[Signal<A>], row: &mut Vec<Signal<A>>) {
         let &[u, v, du, dv] = ray else {
             panic!("{} ray ports", ray.len());
         };
         let shape = self.shape();
         let setup = bounded_setup(a, shape, [u, v, du, dv].map(Signal::integer));
         let ray = &setup.ray;
-        let mut row = [ray.t_delta_u, ray.t_delta_v].map(Signal::Integer).to_vec();
+        row.extend([ray.t_delta_u, ray.t_delta_v].map(Signal::Integer));
         row.extend([ray.fixed.mirror_u, ray.fixed.mirror_v].map(Signal::Bit));
         row.push(Signal::Integer(ray.start_line));
         let walk = bounded_walk_start(a, ray.start_line, setup.i, setup.j);
         // Of all lines the bounds of the start line are read first; the others are written before.
         let u = [setup.t_near_u; MOST_BOUNDED_LINES];
         let v = [setup.t_near_v; MOST_BOUNDED_LINES];
-        row.extend(self.walk_row(&walk, &u, &v));
-        row
+        self.walk_row(&walk, &u, &v, row);
     }
 
     fn address<A: Arith>(&self, a: &mut A, registers: &[Signal<A>]) -> A::Int {
@@ -157,12 +156,14 @@ impl Step for BoundedStep {
         bounded_address(a, self.shape(), mirrors, &registers.walk)
     }
 
-    fn step<A: Arith>(
+    fn step_into<A: Arith>(
         &self,
         a: &mut A,
         registers: &[Signal<A>],
         heights: &[A::Int],
-    ) -> (Vec<Signal<A>>, Vec<Named<A>>) {
+        next_walk: &mut Vec<Signal<A>>,
+        answer: &mut Vec<Named<A>>,
+    ) {
         let shape = self.shape();
         let Registers {
             ray,
@@ -184,14 +185,13 @@ impl Step for BoundedStep {
             t_near_v[n] = a.int_select(writes, result.t_near.1, t_near_v[n]);
         }
         let after = result.walk;
-        let row = self.walk_row(&after, &t_near_u, &t_near_v);
+        self.walk_row(&after, &t_near_u, &t_near_v, next_walk);
         let texel_i = wide_texel(a, shape.lines(), ray.fixed.mirror_u, after.i);
         let texel_j = wide_texel(a, shape.lines(), ray.fixed.mirror_v, after.j);
-        let answer = vec![
+        answer.extend([
             ("texel_i", Signal::Integer(texel_i)),
             ("texel_j", Signal::Integer(texel_j)),
-        ];
-        (row, answer)
+        ]);
     }
 }
 
@@ -208,13 +208,13 @@ impl BoundedStep {
         walk: &BoundedWalk<A>,
         t_near_u: &[A::Int],
         t_near_v: &[A::Int],
-    ) -> Vec<Signal<A>> {
+        row: &mut Vec<Signal<A>>,
+    ) {
         let count = self.shape().line_levels();
-        let mut row = bounded_walk_row(self.shape(), walk);
+        bounded_walk_row(self.shape(), walk, row);
         for words in [t_near_u, t_near_v] {
             row.extend(words[..count].iter().copied().map(Signal::Integer));
         }
-        row
     }
 
     fn registers<A: Arith>(&self, a: &mut A, registers: &[Signal<A>]) -> Registers<A> {
