@@ -117,7 +117,8 @@ fn cache_shape(answer: CacheAnswer, height_bits: u32, latency: u32) -> HeightCac
     }
 }
 
-/// A cache behind a port behind a memory that stalls. `faulty` is a memory that errs.
+/// A cache behind a port behind a memory that stalls, and errs at last where the port is looked
+/// at.
 fn cached(shape: &HeightCacheShape, which: Which, stalls: Option<u16>, cycles: u64) -> Block {
     let shape = shape.clone();
     let port_shape = ReadPortShape {
@@ -163,7 +164,7 @@ fn cached(shape: &HeightCacheShape, which: Which, stalls: Option<u16>, cycles: u
                 let answer = memory.outputs();
                 let beat_ready = which == Which::Cache || receiver.next_ready();
                 let asked = cache.outputs();
-                // At last the memory errs, which the port must tell.
+                // At last the memory errs, in a way that the seed tells, and the port must tell.
                 let errs = which == Which::Port && number + 50 > cycles;
                 let mut inputs = ReadPortInputs {
                     request_valid: asked.fetch_valid,
@@ -173,9 +174,12 @@ fn cached(shape: &HeightCacheShape, which: Which, stalls: Option<u16>, cycles: u
                     r: answer.r,
                 };
                 if errs {
-                    inputs.r.response = random.next() & 3;
-                    inputs.r.id = random.next() & 15;
-                    inputs.r.last = random.chance(4);
+                    match stalls.unwrap_or_default() & 3 {
+                        0 => inputs.r.response = 2,
+                        1 => inputs.r.id ^= 1,
+                        2 => inputs.r.last = !inputs.r.last,
+                        _ => inputs.r.response = 1,
+                    }
                 }
                 let outputs = port.outputs(&inputs);
                 // A few lines that come often, some that share their index, and all others.
@@ -332,18 +336,21 @@ fn mutant(design: &Arc<Module>, place: usize) -> Option<Arc<Module>> {
 fn a_fault_in_any_node_is_found() {
     let height = cache_shape(CacheAnswer::Height, 8, 1);
     let line = cache_shape(CacheAnswer::Line, 16, 2);
-    for block in [
-        fifo_block(4, &[("id", 20), ("depth", 64)], CYCLES),
-        cached(&height, Which::Cache, ALL, CYCLES),
-        cached(&line, Which::Cache, ALL, CYCLES),
-        cached(&height, Which::Port, ALL, CYCLES),
+    let erring = |kind| cached(&height, Which::Port, Some(0xbee0 + kind), CYCLES);
+    for traffics in [
+        vec![fifo_block(4, &[("id", 20), ("depth", 64)], CYCLES)],
+        vec![cached(&height, Which::Cache, ALL, CYCLES)],
+        vec![cached(&line, Which::Cache, ALL, CYCLES)],
+        (0..4u16).map(erring).collect(),
     ] {
+        let block = &traffics[0];
         let mut planted = 0;
         let mut missed = Vec::new();
         for place in 0..block.design.nodes.len() {
             if let Some(mutant) = mutant(&block.design, place) {
                 planted += 1;
-                if block.embedded(&mutant).mismatches == 0 {
+                let agrees = |block: &Block| block.embedded(&mutant).mismatches == 0;
+                if traffics.iter().all(agrees) {
                     missed.push((place, &block.design.nodes[place]));
                 }
             }
