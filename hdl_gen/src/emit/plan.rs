@@ -35,7 +35,12 @@ pub(super) enum Reference {
 /// A signal with its expression, or an instance, in the order they are printed in.
 #[derive(Clone, Debug)]
 pub(super) enum Item {
-    Wire { wire: Wire, value: Expression },
+    Wire {
+        wire: Wire,
+        value: Expression,
+    },
+    /// The outputs of an instance that stands ahead of its inputs, which is printed later.
+    Outputs(usize),
     Instance(usize),
 }
 
@@ -111,6 +116,7 @@ impl<'m> Plan<'m> {
                 plan.place(Wire(index as u32), &shape);
             }
         }
+        plan.connect_ahead();
         plan.group_registers();
         plan.place_memories(&shape);
         plan.assign_outputs();
@@ -353,16 +359,17 @@ impl<'m> Plan<'m> {
         }
         let inner = &self.module.instances[instance];
         let outputs = &shape.instance_outputs[instance];
-        for &wire in outputs.values() {
-            self.stand_behind(wire, &inner.inputs);
+        if !inner.ahead {
+            for &wire in outputs.values() {
+                self.stand_behind(wire, &inner.inputs);
+            }
         }
         let sections = outputs.values().map(|wire| self.section_of[wire.index()]);
         let section = sections.max().unwrap_or_default();
-        let inputs = inner
-            .inputs
-            .iter()
-            .map(|&wire| self.operand(wire))
-            .collect();
+        let inputs = match inner.ahead {
+            true => Vec::new(),
+            false => self.instance_inputs(instance),
+        };
         let mut names = Vec::new();
         for (output, (port, driver)) in inner.module.outputs.iter().enumerate() {
             let name = match outputs.get(&output) {
@@ -384,7 +391,33 @@ impl<'m> Plan<'m> {
             names.push(name);
         }
         self.connections[instance] = Some((inputs, names));
-        self.sections[section].items.push(Item::Instance(instance));
+        self.sections[section].items.push(match inner.ahead {
+            true => Item::Outputs(instance),
+            false => Item::Instance(instance),
+        });
+    }
+
+    fn instance_inputs(&mut self, instance: usize) -> Vec<Expression> {
+        let module = self.module;
+        let inputs = module.instances[instance].inputs.iter();
+        inputs.map(|&wire| self.operand(wire)).collect()
+    }
+
+    /// Connects the instances that stand ahead of their inputs, each behind the last of them.
+    fn connect_ahead(&mut self) {
+        for (instance, inner) in self.module.instances.iter().enumerate() {
+            if !inner.ahead || self.connections[instance].is_none() {
+                continue;
+            }
+            let sections = inner.inputs.iter();
+            let sections = sections.map(|wire| self.section_of[wire.index()]);
+            let section = sections.max().unwrap_or_default().max(inner.section);
+            let inputs = self.instance_inputs(instance);
+            if let Some((connected, _)) = &mut self.connections[instance] {
+                *connected = inputs;
+            }
+            self.sections[section].items.push(Item::Instance(instance));
+        }
     }
 
     /// Gathers the registers that share section and condition.

@@ -212,7 +212,7 @@ impl File<'_> {
         // One column for the names of all that is declared here.
         let wires = section.items.iter().filter_map(|item| match item {
             Item::Wire { wire, .. } => Some(*wire),
-            Item::Instance(_) => None,
+            Item::Instance(_) | Item::Outputs(_) => None,
         });
         let declared = section.registers.iter().copied().chain(wires);
         let memories = section
@@ -250,6 +250,10 @@ impl File<'_> {
         for block in blocks {
             if let [Item::Instance(instance)] = block {
                 self.instance(*instance);
+            } else if let [Item::Outputs(instance)] = block {
+                self.gap();
+                self.instance_outputs(*instance);
+                self.gap();
             } else {
                 self.wires(block, column);
             }
@@ -301,7 +305,7 @@ impl File<'_> {
                     };
                     Some((start, name, value))
                 }
-                Item::Instance(_) => None,
+                Item::Instance(_) | Item::Outputs(_) => None,
             })
             .collect();
         let lengths = rows.iter().map(|(_, name, _)| name.len());
@@ -320,13 +324,13 @@ impl File<'_> {
         }
     }
 
-    fn instance(&mut self, index: usize) {
+    /// Declares the wires on the outputs of an instance.
+    fn instance_outputs(&mut self, index: usize) {
         let module = self.plan.module;
         let instance = &module.instances[index];
-        let Some((inputs, outputs)) = self.plan.connections[index].clone() else {
+        let Some((_, outputs)) = self.plan.connections[index].clone() else {
             return;
         };
-        self.gap();
         let declared: Vec<(String, u32)> = outputs
             .iter()
             .zip(&instance.module.outputs)
@@ -337,6 +341,18 @@ impl File<'_> {
         for (name, width) in &declared {
             let column = column.unwrap_or_default();
             self.line(&format!("    wire {:column$}{name};", range(*width)));
+        }
+    }
+
+    fn instance(&mut self, index: usize) {
+        let module = self.plan.module;
+        let instance = &module.instances[index];
+        let Some((inputs, outputs)) = self.plan.connections[index].clone() else {
+            return;
+        };
+        self.gap();
+        if !instance.ahead {
+            self.instance_outputs(index);
         }
         let mut ports: Vec<(String, String)> = Vec::new();
         if instance.module.is_clocked() {

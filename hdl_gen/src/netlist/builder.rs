@@ -7,6 +7,10 @@ use super::{
 };
 use crate::identifier::is_identifier;
 
+/// An instance whose inputs are still to be connected.
+#[derive(Debug)]
+pub struct InstanceAhead(usize);
+
 /// Builds a [`Module`] node by node, checking every width.
 #[derive(Debug)]
 pub struct Builder {
@@ -414,6 +418,34 @@ impl Builder {
 
     /// An instance of another module; returns its outputs in order.
     pub fn instance(&mut self, name: &str, module: &Arc<Module>, inputs: &[Wire]) -> Vec<Wire> {
+        let outputs = self.new_instance(name, module, false);
+        self.connect_inputs(self.module.instances.len() - 1, inputs);
+        outputs
+    }
+
+    /// An instance whose inputs are connected later ([`Builder::connect_instance`]), so that what
+    /// follows from its outputs may lead back to it: a block whose outputs come from registers, or
+    /// at least not from that input. Returns its outputs in order.
+    pub fn instance_ahead(
+        &mut self,
+        name: &str,
+        module: &Arc<Module>,
+    ) -> (InstanceAhead, Vec<Wire>) {
+        let outputs = self.new_instance(name, module, true);
+        (InstanceAhead(self.module.instances.len() - 1), outputs)
+    }
+
+    /// Connects the inputs of an instance that stands ahead of them.
+    ///
+    /// # Panics
+    /// If their number or a width is wrong.
+    pub fn connect_instance(&mut self, instance: InstanceAhead, inputs: &[Wire]) {
+        self.connect_inputs(instance.0, inputs);
+    }
+
+    fn connect_inputs(&mut self, instance: usize, inputs: &[Wire]) {
+        let name = self.module.instances[instance].name.clone();
+        let module = self.module.instances[instance].module.clone();
         assert_eq!(
             inputs.len(),
             module.inputs.len(),
@@ -427,12 +459,17 @@ impl Builder {
                 module.node(port).name.as_deref().unwrap_or("?")
             );
         }
+        self.module.instances[instance].inputs = inputs.to_vec();
+    }
+
+    fn new_instance(&mut self, name: &str, module: &Arc<Module>, ahead: bool) -> Vec<Wire> {
         let instance = self.module.instances.len();
         self.module.instances.push(Instance {
             name: name.to_owned(),
             module: module.clone(),
-            inputs: inputs.to_vec(),
+            inputs: Vec::new(),
             section: self.module.sections.len() - 1,
+            ahead,
         });
         (0..module.outputs.len())
             .map(|output| {
@@ -487,6 +524,14 @@ impl Builder {
         for memory in &self.module.memories {
             let (module, name) = (&self.module.name, &memory.name);
             assert!(memory.write.is_some(), "{module}: nothing writes {name}");
+        }
+        for instance in &self.module.instances {
+            assert!(
+                instance.inputs.len() == instance.module.inputs.len(),
+                "{}: instance {} was never connected",
+                self.module.name,
+                instance.name
+            );
         }
         Arc::new(self.module)
     }

@@ -8,7 +8,7 @@
 
 mod builder;
 
-pub use builder::Builder;
+pub use builder::{Builder, InstanceAhead};
 
 use std::sync::Arc;
 
@@ -244,8 +244,11 @@ pub struct Instance {
     pub module: Arc<Module>,
     /// One wire for every input of the module, in its order, without clock and reset.
     pub inputs: Vec<Wire>,
-    /// The section it stands in.
+    /// The section it stands in; where it stands ahead of its inputs, that of its outputs.
     pub section: usize,
+    /// Its inputs were connected later than its outputs were there, so that what follows from an
+    /// output may lead back to it.
+    pub ahead: bool,
 }
 
 /// Words that are read at any time and written on the rising edge of `clk_i`. What it holds at
