@@ -12,6 +12,9 @@ mod axi_memory;
 mod declaration;
 mod fifo;
 mod height_cache;
+mod paper;
+mod paper_run;
+mod paper_shape;
 mod read_port;
 mod recirculation;
 mod stall;
@@ -23,6 +26,9 @@ pub use fifo::{Fifo, FifoField, FifoOutputs, FifoShape};
 pub use height_cache::{
     CacheAnswer, HeightCache, HeightCacheInputs, HeightCacheOutputs, HeightCacheShape, LINE_HEIGHTS,
 };
+pub use paper::{PaperCounts, PaperInputs, PaperMachine, PaperOutputs};
+pub use paper_run::{PaperRun, PaperSummary};
+pub use paper_shape::{LOOKUP_STAGE, PaperShape};
 pub use read_port::{
     ADDRESS_BITS, AxiAddress, AxiBeat, BEAT_BYTES, ReadPort, ReadPortInputs, ReadPortOutputs,
     ReadPortShape,

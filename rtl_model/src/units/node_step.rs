@@ -19,7 +19,7 @@ pub struct NodeStep {
     pub policy: SearchPolicy,
 }
 
-const RAY_REGISTERS: [Register; 8] = [
+pub(super) const RAY_REGISTERS: [Register; 8] = [
     ("u", RegisterKind::Number),
     ("v", RegisterKind::Number),
     ("du", RegisterKind::Number),
@@ -98,7 +98,7 @@ impl NodeStep {
     }
 }
 
-fn ray_row<A: Arith>(ray: &RayRegisters<A>, row: &mut Vec<Signal<A>>) {
+pub(super) fn ray_row<A: Arith>(ray: &RayRegisters<A>, row: &mut Vec<Signal<A>>) {
     let numbers = [
         ray.u,
         ray.v,

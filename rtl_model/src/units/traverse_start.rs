@@ -78,8 +78,43 @@ pub(super) fn start_node<A: Arith>(
             j,
         };
     }
-    let different_i = differing_bits(a, shape, &AXIS_U, ray.u, ray.du, i);
-    let different_j = differing_bits(a, shape, &AXIS_V, ray.v, ray.dv, j);
+    let exit_u = a.add(NearestEven, ray.u, ray.du);
+    a.name_num(AXIS_U.exit_coordinate, exit_u);
+    let different_i = differing_bits(a, shape, &AXIS_U, exit_u, i);
+    let exit_v = a.add(NearestEven, ray.v, ray.dv);
+    a.name_num(AXIS_V.exit_coordinate, exit_v);
+    let different_j = differing_bits(a, shape, &AXIS_V, exit_v, j);
+    lowest_common_node(a, shape, root_level, (i, j), (different_i, different_j))
+}
+
+/// The lowest node that holds the whole ray, whose end has been computed elsewhere.
+pub(super) fn node_of_whole_ray<A: Arith>(
+    a: &mut A,
+    shape: TraverseShape,
+    ray: &RayRegisters<A>,
+    (end_u, end_v): (A::Num, A::Num),
+) -> StartNode<A> {
+    let i = entry_texel(a, shape, &AXIS_U, ray.u);
+    let j = entry_texel(a, shape, &AXIS_V, ray.v);
+    if shape.root_level == 0 {
+        let level = a.int_constant(0);
+        return StartNode { level, i, j };
+    }
+    let different_i = differing_bits(a, shape, &AXIS_U, end_u, i);
+    let different_j = differing_bits(a, shape, &AXIS_V, end_v, j);
+    let root_level = a.int_constant(i64::from(shape.root_level));
+    lowest_common_node(a, shape, root_level, (i, j), (different_i, different_j))
+}
+
+/// The lowest node that holds both texels of a ray, from the one it enters and the bits in which
+/// the other differs; the root where they lie in different repeats of the map.
+fn lowest_common_node<A: Arith>(
+    a: &mut A,
+    shape: TraverseShape,
+    root_level: A::Int,
+    (i, j): (A::Int, A::Int),
+    (different_i, different_j): (A::Int, A::Int),
+) -> StartNode<A> {
     // The bit length of the larger one is that of both together, and either's sign is seen in it.
     let different = a.int_or(different_i, different_j);
     a.name_int("differing_bits", different);
@@ -126,12 +161,9 @@ fn differing_bits<A: Arith>(
     a: &mut A,
     shape: TraverseShape,
     names: &AxisNames,
-    coordinate: A::Num,
-    direction: A::Num,
+    exit: A::Num,
     entry_texel: A::Int,
 ) -> A::Int {
-    let exit = a.add(NearestEven, coordinate, direction);
-    a.name_num(names.exit_coordinate, exit);
     let exit = a.scale(exit, shape.root_level as i32);
     a.name_num(names.exit_in_texels, exit);
     let exit_texel = a.floor(exit, INDEX_BITS);

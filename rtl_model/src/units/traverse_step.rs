@@ -71,6 +71,10 @@ pub struct StepResult<A: Arith> {
     pub position_u: A::Num,
     /// Position on v.
     pub position_v: A::Num,
+    /// The same on u before the ray's mirroring is undone.
+    pub mirrored_position_u: A::Num,
+    /// The same on v.
+    pub mirrored_position_v: A::Num,
     /// Texel on u at level 0 of the map, wrapped; meaningful once the walk has ended.
     pub texel_i: A::Int,
     /// Texel on v.
@@ -398,13 +402,13 @@ pub fn traverse_step<A: Arith>(
     a.name_bit("next_guard", guard);
 
     // The answer, should the walk have ended.
-    let position_u = a.add(NearestEven, ray.u, travelled_u);
-    a.name_num("mirrored_position_u", position_u);
-    let position_u = a.negate_if(ray.mirror_u, position_u);
+    let mirrored_position_u = a.add(NearestEven, ray.u, travelled_u);
+    a.name_num("mirrored_position_u", mirrored_position_u);
+    let position_u = a.negate_if(ray.mirror_u, mirrored_position_u);
     a.name_num("position_u", position_u);
-    let position_v = a.add(NearestEven, ray.v, travelled_v);
-    a.name_num("mirrored_position_v", position_v);
-    let position_v = a.negate_if(ray.mirror_v, position_v);
+    let mirrored_position_v = a.add(NearestEven, ray.v, travelled_v);
+    a.name_num("mirrored_position_v", mirrored_position_v);
+    let position_v = a.negate_if(ray.mirror_v, mirrored_position_v);
     a.name_num("position_v", position_v);
     let texel_i = texel(a, shape, ray.mirror_u, i);
     a.name_int("texel_i", texel_i);
@@ -429,6 +433,8 @@ pub fn traverse_step<A: Arith>(
         },
         position_u,
         position_v,
+        mirrored_position_u,
+        mirrored_position_v,
         texel_i,
         texel_j,
     }

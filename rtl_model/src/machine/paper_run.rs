@@ -1,0 +1,146 @@
+//! The paper's traverse unit run on a list of rays, with a memory behind it.
+
+use std::ops::ControlFlow;
+
+use super::axi_memory::{AxiMemory, AxiMemoryShape};
+use super::paper::{PaperCounts, PaperInputs, PaperMachine, PaperOutputs};
+use super::paper_shape::PaperShape;
+use super::stall::StallPattern;
+use crate::maps::Pyramid;
+use crate::ray::Ray;
+use crate::readings::Word;
+
+/// With so many rays still to be offered the loop should be full.
+const WAITING: usize = 64;
+
+/// Cycles without a hit after which a run gives up: a memory that answers is never so slow.
+const PATIENCE: u64 = 1 << 20;
+
+/// Rays to be sent through the paper's unit, and how.
+#[derive(Clone, Debug)]
+pub struct PaperRun<'a> {
+    /// What the unit is built as.
+    pub shape: PaperShape,
+    /// The map's pyramid: what the memory holds.
+    pub pyramid: &'a Pyramid,
+    /// The rays, as bits of the unit's format; a ray's id is its place here.
+    pub rays: &'a [Ray<u64>],
+    /// When the sender has nothing to offer.
+    pub gaps: StallPattern,
+    /// When the receiver of hits is not ready.
+    pub stalls: StallPattern,
+    /// The memory.
+    pub memory: AxiMemoryShape,
+    /// Cycles of a pass.
+    pub pass_cycles: u32,
+}
+
+/// What a run came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PaperSummary {
+    /// Cycles from the first ray's entry into the loop to the last hit's leaving.
+    pub cycles: u64,
+    /// Hits that left.
+    pub hits: u64,
+    /// What the unit counted.
+    pub counts: PaperCounts,
+    /// Bytes that came from the memory.
+    pub bytes: u64,
+    /// Cycles in which 64 or more rays had still to be offered, from the first ray's entry on.
+    pub busy_cycles: u64,
+    /// Passes begun in them.
+    pub busy_passes: u64,
+}
+
+impl PaperSummary {
+    /// Passes begun in a cycle while rays wait: 1 where the loop is always full.
+    pub fn occupancy(&self) -> f64 {
+        self.busy_passes as f64 / self.busy_cycles as f64
+    }
+
+    /// Cycles of a ray, in the mean.
+    pub fn cycles_per_ray(&self) -> f64 {
+        self.cycles as f64 / self.hits as f64
+    }
+
+    /// Lookups that found their height, of all.
+    pub fn hit_rate(&self) -> f64 {
+        self.counts.hits as f64 / (self.counts.hits + self.counts.misses) as f64
+    }
+}
+
+impl PaperRun<'_> {
+    /// Cycles in reset before cycle 0: enough for every stage to fill with what stands in an empty
+    /// FIFO 0.
+    pub fn reset_cycles(&self) -> u32 {
+        self.pass_cycles + 4
+    }
+
+    /// Runs the machine until every ray has left it, and calls `each` with every cycle. Ends early
+    /// where `each` breaks, and where no hit leaves any more: then fewer hits than rays have left.
+    pub fn run<R: Word>(
+        &self,
+        reading: R,
+        mut each: impl FnMut(&PaperMachine<R>, &PaperInputs, &PaperOutputs) -> ControlFlow<()>,
+    ) -> PaperSummary {
+        let words = PaperMachine::<R>::memory_words(&self.shape, self.pyramid);
+        let mut memory = AxiMemory::new(self.memory, words);
+        let mut machine =
+            PaperMachine::new(reading, self.shape.clone(), self.pyramid, self.pass_cycles);
+        let (mut gaps, mut stalls) = (self.gaps, self.stalls);
+        let (mut taken, mut offers) = (0, false);
+        let mut summary = PaperSummary::default();
+        let (mut first_entry, mut last_hit) = (None, 0);
+        // A few cycles more than the rays need: nothing may leave the unit that never entered.
+        let mut cycles_to_come = u64::from(self.pass_cycles) + 4;
+        while cycles_to_come > 0 {
+            let all_left = summary.hits == self.rays.len() as u64;
+            cycles_to_come -= u64::from(all_left);
+            // An offer stands until it is taken.
+            offers = taken < self.rays.len() && (offers || gaps.next_ready());
+            let answer = memory.outputs();
+            let idle = Ray {
+                u: 0,
+                v: 0,
+                du: 0,
+                dv: 0,
+            };
+            let inputs = PaperInputs {
+                ray_valid: offers,
+                ray_id: if offers { taken as u32 } else { 0 },
+                ray: if offers { self.rays[taken] } else { idle },
+                hit_ready: stalls.next_ready(),
+                arready: answer.arready,
+                r: answer.r,
+            };
+            let outputs = machine.outputs(&inputs);
+            if each(&machine, &inputs, &outputs).is_break() {
+                break;
+            }
+            if outputs.admits {
+                first_entry.get_or_insert(machine.cycle());
+            }
+            if first_entry.is_some() && self.rays.len() - taken >= WAITING {
+                summary.busy_cycles += 1;
+                summary.busy_passes += u64::from(outputs.admits || outputs.recirculates);
+            }
+            if offers && outputs.ray_ready {
+                taken += 1;
+                offers = false;
+            }
+            if outputs.hit_valid && inputs.hit_ready {
+                summary.hits += 1;
+                last_hit = machine.cycle();
+            }
+            machine.clock(&inputs);
+            memory.clock(&outputs.ar, outputs.rready);
+            if !all_left && machine.cycle() - last_hit > PATIENCE {
+                break;
+            }
+        }
+        summary.cycles = first_entry.map_or(0, |first| (last_hit + 1).saturating_sub(first));
+        summary.counts = machine.counts();
+        summary.bytes = 8 * memory.beats();
+        summary
+    }
+}
