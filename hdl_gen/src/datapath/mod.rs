@@ -3,6 +3,7 @@
 
 mod build;
 mod delay;
+mod elements;
 mod integer_product;
 mod record;
 mod schedule;
@@ -11,6 +12,7 @@ mod word_logic;
 
 pub use build::{BuiltDatapath, PipelineRegister, Source, build};
 pub use delay::Delay;
+pub use elements::ElementCounts;
 pub use record::{Output, Recorder, Recording};
 pub use schedule::{
     OperatorLatencies, Schedule, schedule, schedule_in_stages, schedule_within, shortest_period,

@@ -3,6 +3,10 @@
 
 mod bounded_datapaths;
 mod configuration;
+mod paper_datapaths;
+mod paper_loop;
+mod paper_machine;
+mod paper_probes;
 mod probe;
 mod traverse;
 mod traverse_datapaths;
@@ -11,6 +15,13 @@ mod traverse_step_unit;
 
 pub use bounded_datapaths::{build_bounded, record_bounded};
 pub use configuration::{NoHardware, UnitConfiguration};
+pub use paper_datapaths::{
+    BuiltPaperSetup, PAPER_SETUP, PAPER_STEP, build_paper_setup, build_paper_step,
+    record_paper_step,
+};
+pub use paper_loop::{PAPER_LOOP, PaperLoop};
+pub use paper_machine::{PAPER_MACHINE, PaperUnit};
+pub use paper_probes::{PaperLayout, declared_word, loop_probes};
 pub use probe::{CycleLayout, CycleWords, Probe};
 pub use traverse::TraverseUnit;
 pub use traverse_datapaths::{BuiltSetup, FreshValue, build_setup, build_step, step_registers};

@@ -26,7 +26,7 @@ pub struct BuiltSetup {
 }
 
 /// A signal from outside.
-fn input(recorder: &mut Recorder, (name, kind): Register) -> Signal<Recorder> {
+pub(super) fn input(recorder: &mut Recorder, (name, kind): Register) -> Signal<Recorder> {
     match kind {
         RegisterKind::Number => Signal::Number(recorder.num_input(name, 0)),
         RegisterKind::Integer(bits) => Signal::Integer(recorder.int_input(name, bits, 0)),
@@ -34,7 +34,7 @@ fn input(recorder: &mut Recorder, (name, kind): Register) -> Signal<Recorder> {
     }
 }
 
-fn id(signal: Signal<Recorder>) -> SignalId {
+pub(super) fn id(signal: Signal<Recorder>) -> SignalId {
     match signal {
         Signal::Number(number) => number.into(),
         Signal::Integer(integer) => integer.into(),
@@ -46,17 +46,17 @@ fn id(signal: Signal<Recorder>) -> SignalId {
 ///
 /// # Panics
 /// If they are not of one kind and number: a mistake in the step's own declarations.
-fn paired(
-    step: &impl Step,
+pub(super) fn paired(
+    name: &str,
     recording: &Recording,
     registers: &[Register],
     signals: &[Signal<Recorder>],
 ) -> Vec<(&'static str, SignalId)> {
-    assert_eq!(registers.len(), signals.len(), "{}", step.name());
+    assert_eq!(registers.len(), signals.len(), "{name}");
     let pairs = registers
         .iter()
         .zip(signals)
-        .map(|(&(name, kind), &signal)| {
+        .map(|(&(register, kind), &signal)| {
             let (signal_id, of_kind) = (id(signal), recording.signal(id(signal)).kind);
             let fits = match (kind, of_kind) {
                 (RegisterKind::Number, Kind::Num) | (RegisterKind::Bit, Kind::Bit) => true,
@@ -64,8 +64,8 @@ fn paired(
                 (RegisterKind::Integer(_), Kind::Int(_)) => true,
                 _ => false,
             };
-            assert!(fits, "{}: {name} is {kind:?}, not {of_kind:?}", step.name());
-            (name, signal_id)
+            assert!(fits, "{name}: {register} is {kind:?}, not {of_kind:?}");
+            (register, signal_id)
         });
     pairs.collect()
 }
@@ -90,9 +90,10 @@ pub fn build_setup(configuration: &UnitConfiguration) -> BuiltSetup {
     let mut recording = recorder.finish();
     let registers = step_registers(&step);
     let mut fresh = Vec::new();
-    for (&(name, kind), (_, signal)) in registers
-        .iter()
-        .zip(paired(&step, &recording, &registers, &signals))
+    for (&(name, kind), (_, signal)) in
+        registers
+            .iter()
+            .zip(paired(step.name(), &recording, &registers, &signals))
     {
         let recorded = recording.signal(signal);
         fresh.push(match (recorded.operation, kind) {
@@ -186,7 +187,7 @@ fn record_step(configuration: &UnitConfiguration, height_stage: u32) -> Recordin
         recorder.output(name, id(signal));
     }
     let mut recording = recorder.finish();
-    for (name, signal) in paired(&step, &recording, &step.walk_registers(), &walk) {
+    for (name, signal) in paired(step.name(), &recording, &step.walk_registers(), &walk) {
         recording.add_output(name, signal);
     }
     for (name, signal) in named {
