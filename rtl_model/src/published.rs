@@ -12,6 +12,28 @@
 use crate::calibration::{CAMERAS, SURFACES};
 use crate::scene::Method;
 
+/// Float elements of a unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct FloatElements {
+    /// Adders of two operands.
+    pub adders: u32,
+    /// Comparators.
+    pub comparators: u32,
+    /// Multipliers.
+    pub multipliers: u32,
+    /// Dividers.
+    pub dividers: u32,
+}
+
+/// Table 1, row "Traverse": the float elements of the traverse unit, which has neither an adder of
+/// three operands nor a square root.
+pub const TRAVERSE_ELEMENTS: FloatElements = FloatElements {
+    adders: 6,
+    comparators: 7,
+    multipliers: 5,
+    dividers: 2,
+};
+
 /// A table of the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Table {

@@ -1,5 +1,6 @@
 //! `stepwell paper`: the papers' tables beside ours.
 
+mod elements;
 mod offset;
 mod report;
 mod subject;
@@ -35,6 +36,10 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum PaperTable {
+    /// Float elements of the traverse unit (2013 hardware paper, table 1)
+    ///
+    /// Counted in the recorded datapath of the machine of 15 stages, beside the paper's figures.
+    Table1(elements::ElementArguments),
     /// Node crossings among the steps, in percent (2013 hardware paper, table 2)
     ///
     /// Every hit is judged by the exact reference. Exit code 1 says that a method that promises the
@@ -106,6 +111,7 @@ impl TableArguments {
 /// Shows the table.
 pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     match arguments.table {
+        PaperTable::Table1(arguments) => elements::run(&arguments),
         PaperTable::Table2(arguments) => table::run(Table::CrossingProbability, arguments),
         PaperTable::Table3(arguments) => table::run(Table::LevelsDown, arguments),
         PaperTable::Table4(arguments) => table::run(Table::StepsPerPixel, arguments),
