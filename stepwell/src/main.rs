@@ -4,6 +4,7 @@
 //! Exit codes: 0 all agreed, 1 something disagreed, 2 it could not run.
 
 mod commands;
+mod machine;
 mod numbers;
 mod operand_lines;
 mod operator_options;

@@ -12,6 +12,8 @@ mod axi_memory;
 mod declaration;
 mod fifo;
 mod height_cache;
+mod ledger;
+mod occupancy;
 mod paper;
 mod paper_run;
 mod paper_shape;
@@ -26,6 +28,8 @@ pub use fifo::{Fifo, FifoField, FifoOutputs, FifoShape};
 pub use height_cache::{
     CacheAnswer, HeightCache, HeightCacheInputs, HeightCacheOutputs, HeightCacheShape, LINE_HEIGHTS,
 };
+pub use ledger::{HitLedger, HitReport};
+pub use occupancy::OccupancyOverTime;
 pub use paper::{PaperCounts, PaperInputs, PaperMachine, PaperOutputs};
 pub use paper_run::{PaperRun, PaperSummary};
 pub use paper_shape::{LOOKUP_STAGE, PaperShape};

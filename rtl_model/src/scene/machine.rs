@@ -32,6 +32,10 @@ pub struct Machine {
     /// Entries of FIFO 0 before the loop and FIFO 1 behind it: a power of two, 2 to 64.
     #[serde(default = "default_fifo", deserialize_with = "checked::fifo")]
     pub fifo: u32,
+    /// Pixels on a side of the square tiles in which the frame's rays come, tile by tile, each row
+    /// by row: a power of two, 1 to 8192. With 1 they come row by row of the frame.
+    #[serde(default = "default_tile", deserialize_with = "checked::tile")]
+    pub tile: u32,
     /// Counts trips, hits, misses and stalls in hardware. What is counted takes area, so nothing
     /// is unless it is asked for.
     #[serde(default)]
@@ -72,6 +76,10 @@ pub struct MachineMemory {
 }
 
 fn default_fifo() -> u32 {
+    16
+}
+
+fn default_tile() -> u32 {
     16
 }
 
@@ -119,6 +127,7 @@ impl Machine {
         Machine {
             kind,
             fifo: default_fifo(),
+            tile: default_tile(),
             counters: false,
             cache: MachineCache::default(),
             memory: MachineMemory::default(),
@@ -149,6 +158,11 @@ mod checked {
     pub(super) fn fifo<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
         let rule = "a FIFO's entries: a power of two, 2 to 64";
         number(deserializer, |n| is_power_of_two(n, 2, 64), rule)
+    }
+
+    pub(super) fn tile<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
+        let rule = "a tile's side in pixels: a power of two, 1 to 8192";
+        number(deserializer, |n| is_power_of_two(n, 1, 8192), rule)
     }
 
     pub(super) fn lines<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
@@ -191,6 +205,7 @@ mod tests {
         for (text, rule) in [
             ("fifo = 3", "power of two"),
             ("fifo = 128", "2 to 64"),
+            ("tile = 3", "power of two"),
             ("[cache]\nlines = 1", "2 to 65536"),
             ("[cache]\npending = 16", "2, 4 or 8"),
             ("[memory]\nlatency = 0", "1 to 1000"),

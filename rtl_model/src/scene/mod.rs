@@ -31,6 +31,7 @@
 //!     [machine]                            # may be left out: then rays go round a bare loop
 //!     kind = "paper"                       # paper | exact: the whole clocked traverse unit
 //!     fifo = 16                            # entries of FIFO 0 before the loop and FIFO 1 behind it
+//!     tile = 16                            # rays come by square tiles of so many pixels a side
 //!     counters = false                     # count trips, hits, misses and stalls in hardware
 //!     cache = { lines = 256, pending = 4 } # lines of 16 heights; lines on their way at most
 //!     memory = { latency = 20, bytes_per_cycle = 8, stalls = false }

@@ -3,15 +3,21 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use anyhow::bail;
 use clap::Args;
 use serde::Serialize;
 
+use rtl_model::float::FloatFormat;
 use rtl_model::frame::{Frame, walk_scene};
 use rtl_model::maps::{HeightMap, Pyramid};
-use rtl_model::picture::{depth_picture, save_png, shaded_picture, steps_picture};
-use rtl_model::scene::Scene;
+use rtl_model::picture::{
+    Plot, PlotAxis, Series, depth_picture, save_png, shaded_picture, steps_picture,
+};
+use rtl_model::readings::E7F16;
+use rtl_model::scene::{MachineKind, Scene};
 
 use super::Outcome;
+use crate::machine::{MachineReport, PaperScene, machine_of};
 use crate::options::{AnswerOptions, SceneOptions, ThreadOptions};
 use crate::output::OutputFolder;
 use crate::summary::{WalkSummary, json, table};
@@ -32,6 +38,11 @@ pub struct Arguments {
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 
+    /// Run the scene's machine too, clock by clock: prints what it counts, and draws how full its
+    /// loop is over time, into occupancy.png
+    #[arg(long)]
+    machine: bool,
+
     #[command(flatten)]
     threads: ThreadOptions,
 
@@ -40,6 +51,7 @@ pub struct Arguments {
 }
 
 const PICTURES: [&str; 3] = ["shaded.png", "steps.png", "depth.png"];
+const OCCUPANCY: &str = "occupancy.png";
 
 /// The JSON of a render: that of the walk, and what it was a walk of.
 #[derive(Serialize)]
@@ -50,6 +62,9 @@ struct Summary {
     width: u32,
     height: u32,
     pictures: Vec<PathBuf>,
+    /// Of a machine, what its run came to.
+    #[serde(flatten)]
+    machine: Option<MachineReport>,
 }
 
 /// Renders the scene.
@@ -73,7 +88,19 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     bar.finish_and_clear();
     let frame = walked?;
 
-    folder.publish(|folder| save_pictures(folder, &scene, &map, &frame))?;
+    let machine = match arguments.machine {
+        true => Some(run_machine(&scene)?),
+        false => None,
+    };
+    folder.publish(|folder| {
+        save_pictures(folder, &scene, &map, &frame)?;
+        match &machine {
+            Some(report) => save_occupancy(folder, &scene, report),
+            None => Ok(()),
+        }
+    })?;
+    let mut pictures: Vec<PathBuf> = PICTURES.iter().map(|name| path.join(name)).collect();
+    pictures.extend(machine.iter().map(|_| path.join(OCCUPANCY)));
     let summary = Summary {
         walk: WalkSummary::new(
             "stepwell-render-1",
@@ -86,7 +113,8 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
         scene: scene.name,
         width: frame.width,
         height: frame.height,
-        pictures: PICTURES.iter().map(|name| path.join(name)).collect(),
+        pictures,
+        machine,
     };
     let text = if arguments.answer.json {
         json(&summary)?
@@ -94,7 +122,51 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
         summary.table(&scene.map.source.to_string(), frame.counts.rays)
     };
     terminal::answer(|output| output.write_all(text.as_bytes()))?;
-    Ok(summary.walk.outcome())
+    let agrees = summary.machine.as_ref().is_none_or(MachineReport::agrees);
+    Ok(match agrees {
+        true => summary.walk.outcome(),
+        false => Outcome::Disagreed,
+    })
+}
+
+/// Runs the golden machine of the scene.
+fn run_machine(scene: &Scene) -> anyhow::Result<MachineReport> {
+    let machine = machine_of(scene)?;
+    if machine.kind != MachineKind::Paper {
+        bail!(
+            "scene {}: machine {} does not run yet; take kind = \"paper\"",
+            scene.name,
+            machine.kind.name()
+        );
+    }
+    let subject = PaperScene::of(scene, &machine)?;
+    Ok(match subject.format {
+        // The format the unit is made for: its arithmetic compiled for it.
+        FloatFormat::E7F16 => subject.golden(E7F16, None),
+        other => subject.golden(other, None),
+    })
+}
+
+fn save_occupancy(folder: &Path, scene: &Scene, report: &MachineReport) -> anyhow::Result<()> {
+    let axis = |label: &str| PlotAxis {
+        label: label.to_owned(),
+        logarithmic: false,
+    };
+    let plot = Plot {
+        title: format!(
+            "{}: how full the loop of machine {} is",
+            scene.name, report.machine
+        ),
+        x: axis("cycle"),
+        y: axis("trips begun a cycle"),
+        diagonal: false,
+        series: vec![Series {
+            name: "trips".to_owned(),
+            points: report.occupancy_points(),
+            joined: true,
+        }],
+    };
+    Ok(save_png(&plot.draw(), &folder.join(OCCUPANCY))?)
 }
 
 fn save_pictures(
@@ -134,6 +206,7 @@ impl Summary {
             ),
         ];
         rows.extend(self.walk.rows());
+        rows.extend(self.machine.iter().flat_map(MachineReport::rows));
         let names = std::iter::once("pictures").chain(std::iter::repeat(""));
         let paths = self.pictures.iter().map(|path| path.display().to_string());
         rows.extend(names.zip(paths));

@@ -1,7 +1,7 @@
 //! `stepwell verify`: the Verilog against the golden model, outputs and registers, every cycle.
 
+mod machine;
 mod operator;
-
 mod scene;
 mod summary;
 pub mod unit_map;
@@ -60,6 +60,10 @@ pub struct Arguments {
     /// Seed of random operands and of the pattern of stalls
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+
+    /// Of a scene with a machine: let senders, receivers and the memory stall at random
+    #[arg(long, conflicts_with = "unit")]
+    stalls: bool,
 
     /// Write the waveforms of these cycles, golden.vcd and hardware.vcd, into the output folder
     #[arg(

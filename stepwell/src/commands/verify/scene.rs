@@ -32,6 +32,9 @@ use crate::progress;
 /// Verifies the frame of a scene.
 pub fn verify(arguments: &Arguments, path: &Path) -> anyhow::Result<Outcome> {
     let scene = arguments.replacements.load(path)?;
+    if let Some(machine) = &scene.machine {
+        return super::machine::verify(arguments, &scene, machine);
+    }
     let map = scene.load_map()?;
     let pyramid = Pyramid::new(&map);
     let configuration = configuration(scene.walk, &pyramid)?;

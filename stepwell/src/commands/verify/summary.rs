@@ -11,6 +11,7 @@ use hdl_gen::verify::{Comparison, FoundSimulator, decoded_value, units_in_the_la
 
 use super::Arguments;
 use crate::commands::Outcome;
+use crate::machine::MachineReport;
 use crate::summary::{json, netlist_row, table};
 use crate::terminal;
 
@@ -44,6 +45,9 @@ pub struct Summary {
     pub seed: u64,
     pub first_divergence: Vec<DecodedDivergence>,
     pub files: Vec<PathBuf>,
+    /// Of a machine, what the golden one's run came to.
+    #[serde(flatten)]
+    pub machine: Option<MachineReport>,
 }
 
 /// A finished run, of which a [`Summary`] tells.
@@ -162,7 +166,14 @@ impl Summary {
             seed: arguments.seed,
             first_divergence: decode(&comparison, &run.signals),
             files: run.files,
+            machine: None,
         }
+    }
+
+    /// With what the golden machine's run came to.
+    pub fn of_machine(mut self, report: MachineReport) -> Summary {
+        self.machine = Some(report);
+        self
     }
 
     /// Tells person or program, and says how it came out.
@@ -233,6 +244,7 @@ impl Summary {
                 ),
             ),
         ]);
+        rows.extend(self.machine.iter().flat_map(MachineReport::rows));
         if let Some(fault) = &self.planted_fault {
             rows.push(("planted", fault.clone()));
         }

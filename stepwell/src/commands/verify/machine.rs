@@ -1,0 +1,127 @@
+//! A scene's frame through its whole machine.
+
+use std::time::Instant;
+
+use anyhow::{Context, bail};
+
+use hdl_gen::emit::write_design;
+use hdl_gen::fault::plant;
+use hdl_gen::verify::{Comparison, FoundSimulator, PaperDesign};
+use rtl_model::float::FloatFormat;
+use rtl_model::readings::E7F16;
+use rtl_model::scene::{Machine, MachineKind, Scene};
+
+use super::summary::{Finished, SignalFacts, Summary};
+use super::{Arguments, Outcome};
+use crate::machine::{MachineReport, PaperScene};
+use crate::output::OutputFolder;
+use crate::progress;
+
+/// Verifies the frame of a scene that has a machine.
+pub fn verify(arguments: &Arguments, scene: &Scene, machine: &Machine) -> anyhow::Result<Outcome> {
+    if machine.kind != MachineKind::Paper {
+        bail!(
+            "scene {}: machine {} is not verified yet; take kind = \"paper\"",
+            scene.name,
+            machine.kind.name()
+        );
+    }
+    if arguments.vcd.is_some() {
+        bail!("--vcd: waveforms of machines are not written yet; leave it out");
+    }
+    let simulator = arguments.sim.find()?;
+    let folder = arguments
+        .output
+        .as_deref()
+        .map(OutputFolder::prepare)
+        .transpose()?;
+    let mut subject = PaperScene::of(scene, machine)?;
+    if let Some(fault) = &arguments.plant_fault {
+        subject.unit.design = plant(&subject.unit.design, &fault.signal, fault.bit)?;
+    }
+    let stalls = arguments.stalls.then_some(arguments.seed as u16);
+    let report = golden(&subject, stalls);
+    let design = PaperDesign::of_unit(&subject.unit);
+    let run = subject.run(stalls);
+    let start = Instant::now();
+    if let FoundSimulator::Verilator(verilator) = &simulator {
+        verilator.build(&subject.unit.design, &design.plan(&run), false)?;
+    }
+    let build_seconds = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let comparison = match &simulator {
+        FoundSimulator::Icarus(_) => bail!(
+            "--sim icarus: machines are compared by Verilator or the embedded simulator; take \
+             --sim verilator or --sim embedded"
+        ),
+        FoundSimulator::Embedded => compare(&design, &run, subject.format, None, &|_| ()),
+        FoundSimulator::Verilator(verilator) => {
+            let bar = progress::bar(report.cycles(), "cycles");
+            let advance = |cycles| bar.set_position(cycles);
+            let compared = compare(&design, &run, subject.format, Some(verilator), &advance);
+            bar.finish_and_clear();
+            compared
+        }
+    }?;
+    let unit = &subject.unit.design;
+    let mut files = Vec::new();
+    if let Some(folder) = folder {
+        folder.publish(|folder| Ok(write_design(unit, folder).map(|_| ())?))?;
+        let output = arguments.output.clone().unwrap_or_default();
+        files.push(output.join(format!("{}.v", unit.name)));
+    }
+    let facts = subject.unit.probes.iter().map(|probe| SignalFacts {
+        path: probe.path(),
+        width: probe.width,
+        meaning: probe.meaning,
+        sources: probe.sources.clone(),
+    });
+    let finished = Finished {
+        unit,
+        simulator: &simulator,
+        format: scene.walk.format.to_string(),
+        method: Some(scene.walk.method.to_string()),
+        map: Some(scene.map.source.to_string()),
+        comparison,
+        signals: facts.collect(),
+        sent: subject.rays.len() as u64,
+        exhaustive: false,
+        seconds: start.elapsed().as_secs_f64(),
+        build_seconds,
+        files,
+    };
+    let agrees = report.agrees();
+    let outcome = Summary::new(arguments, finished)
+        .of_machine(report)
+        .answer(arguments.answer.json)?;
+    Ok(if agrees { outcome } else { Outcome::Disagreed })
+}
+
+/// The golden machine alone.
+fn golden(subject: &PaperScene, stalls: Option<u16>) -> MachineReport {
+    match subject.format {
+        // The format the unit is made for: its arithmetic compiled for it.
+        FloatFormat::E7F16 => subject.golden(E7F16, stalls),
+        other => subject.golden(other, stalls),
+    }
+}
+
+fn compare(
+    design: &PaperDesign,
+    run: &rtl_model::machine::PaperRun<'_>,
+    format: FloatFormat,
+    verilator: Option<&hdl_gen::verify::Verilator>,
+    progress: &dyn Fn(u64),
+) -> anyhow::Result<Comparison> {
+    let compared = match (verilator, format) {
+        (None, FloatFormat::E7F16) => design.embedded(run, E7F16)?,
+        (None, other) => design.embedded(run, other)?,
+        (Some(verilator), FloatFormat::E7F16) => {
+            design.verilator(verilator, run, E7F16, None, progress)?
+        }
+        (Some(verilator), other) => design.verilator(verilator, run, other, None, progress)?,
+    };
+    (compared.cycles > 0)
+        .then_some(compared)
+        .context("the machine did not run: no cycle was compared")
+}

@@ -1,0 +1,296 @@
+//! A scene's machine: built, its rays, its golden run, and what that came to.
+
+use std::ops::ControlFlow;
+
+use anyhow::{Context, bail};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use hdl_gen::datapath::OperatorLatencies;
+use hdl_gen::units::{PaperLoop, PaperUnit};
+use rtl_model::float::FloatFormat;
+use rtl_model::machine::{
+    AxiMemoryShape, HitLedger, HitReport, ID_BITS, OccupancyOverTime, PaperRun, PaperShape,
+    PaperSummary, StallPattern,
+};
+use rtl_model::maps::Pyramid;
+use rtl_model::ray::Ray;
+use rtl_model::readings::{FloatReading, HasFormat, enter};
+use rtl_model::scene::{Crossing, Machine, MachineKind, Method, Scene, WalkFormat};
+use rtl_model::units::paper_step::{HeightLayout, PAPER_POLICY, PaperStep};
+use rtl_model::units::traverse::{Status, shape_for, walk};
+use rtl_model::walker::Walker;
+
+/// Texels on a side of the smallest map whose pyramid has lines to cache.
+const SMALLEST_MAP: u32 = 16;
+
+/// The paper's machine of a scene, with the frame's rays.
+pub struct PaperScene {
+    /// The hardware.
+    pub unit: PaperUnit,
+    /// The number format.
+    pub format: FloatFormat,
+    /// The map.
+    pub pyramid: Pyramid,
+    /// The rays as the ports carry them, in the order in which they are sent.
+    pub rays: Vec<Ray<u64>>,
+    memory: AxiMemoryShape,
+}
+
+impl PaperScene {
+    /// Builds it.
+    ///
+    /// # Errors
+    /// If the scene's walk is not the paper's, its map too small, or its frame too large.
+    pub fn of(scene: &Scene, machine: &Machine) -> anyhow::Result<PaperScene> {
+        let name = &scene.name;
+        let walks = scene.walk;
+        let format = match (walks.method, walks.format, walks.crossing) {
+            (Method::MixedSelective, WalkFormat::Float(format), Crossing::Index) => format,
+            _ => bail!(
+                "scene {name}: machine paper walks by mixed-selective in a float, crossing by index, \
+                 and the scene says {} in {}; take --method mixed-selective --format e7f16",
+                walks.method,
+                walks.format
+            ),
+        };
+        let pyramid = Pyramid::new(&scene.load_map()?);
+        if pyramid.size() < SMALLEST_MAP {
+            bail!(
+                "scene {name}: machine paper needs a map of {SMALLEST_MAP} texels a side or more, \
+                 and this has {}: its pyramid has no lines to cache",
+                pyramid.size()
+            );
+        }
+        let walker = Walker::new(walks, &pyramid)?;
+        let mut reading = FloatReading(format);
+        let rays = rays_by_tile(scene, &pyramid, machine.tile)?
+            .into_iter()
+            .map(|ray| Ok(enter(&mut reading, walker.admit(ray)?)))
+            .collect::<anyhow::Result<Vec<_>>>()?;
+        if rays.is_empty() {
+            bail!("scene {name}: no pixel has a ray, so the machine has nothing to do");
+        }
+        if rays.len() > 1 << ID_BITS {
+            bail!(
+                "scene {name}: {} rays are more than ids of {ID_BITS} bits tell apart; take a \
+                 smaller --size",
+                rays.len()
+            );
+        }
+        let step = PaperStep {
+            shape: shape_for(&pyramid),
+            layout: HeightLayout::Tiles,
+        };
+        let shape = PaperShape::new(step, format.width(), machine);
+        let paper = PaperLoop::build(&shape, format, &OperatorLatencies::PAPER);
+        Ok(PaperScene {
+            unit: PaperUnit::build(&paper),
+            format,
+            rays,
+            memory: AxiMemoryShape {
+                latency: machine.memory.latency,
+                bytes_per_cycle: machine.memory.bytes_per_cycle,
+                outstanding: machine.cache.pending,
+                stalls: machine.memory.stalls.then_some(1),
+            },
+            pyramid,
+        })
+    }
+
+    /// All rays sent through it. With a seed, senders, receivers and memory stall at random.
+    pub fn run(&self, stalls: Option<u16>) -> PaperRun<'_> {
+        let pattern = |turned: u32| match stalls {
+            Some(seed) => StallPattern::one_in_eight(seed.rotate_left(turned)),
+            None => StallPattern::never(),
+        };
+        PaperRun {
+            shape: self.unit.paper.shape.clone(),
+            pyramid: &self.pyramid,
+            rays: &self.rays,
+            gaps: pattern(3),
+            stalls: pattern(0),
+            memory: AxiMemoryShape {
+                stalls: stalls.or(self.memory.stalls),
+                ..self.memory
+            },
+            pass_cycles: self.unit.paper.step.latency,
+        }
+    }
+
+    /// Runs the golden machine alone, and holds every hit against the golden walk.
+    pub fn golden<H>(&self, format: H, stalls: Option<u16>) -> MachineReport
+    where
+        H: HasFormat + std::fmt::Debug + Send + Sync,
+    {
+        let expected: Vec<[u64; 9]> = (0..self.rays.len())
+            .into_par_iter()
+            .map(|id| self.golden_hit(&mut FloatReading(format), id))
+            .collect();
+        let mut ledger = HitLedger::new(expected.concat(), 9);
+        let mut occupancy = OccupancyOverTime::default();
+        let summary = self
+            .run(stalls)
+            .run(FloatReading(format), |machine, inputs, outputs| {
+                occupancy.cycle(outputs.admits || outputs.recirculates);
+                if outputs.hit_valid && inputs.hit_ready {
+                    ledger.enter(machine.hit());
+                }
+                ControlFlow::Continue(())
+            });
+        MachineReport::of_paper(summary, ledger.report(), occupancy)
+    }
+
+    /// What must leave FIFO 1 for a ray.
+    fn golden_hit<H: HasFormat>(&self, reading: &mut FloatReading<H>, id: usize) -> [u64; 9] {
+        let memory = self.pyramid.memory();
+        let hit = walk(reading, PAPER_POLICY, &self.pyramid, memory, self.rays[id]);
+        [
+            id as u64,
+            hit.i.into(),
+            hit.j.into(),
+            hit.t,
+            hit.u,
+            hit.v,
+            hit.steps.into(),
+            hit.crossings.into(),
+            (hit.status == Status::Guard).into(),
+        ]
+    }
+}
+
+/// The frame's rays, tile by tile.
+fn rays_by_tile(scene: &Scene, pyramid: &Pyramid, tile: u32) -> anyhow::Result<Vec<Ray<f64>>> {
+    let rays = scene.view().rays(pyramid.size())?;
+    let width = scene.frame.width;
+    let mut places: Vec<u32> = (0..rays.len() as u32).collect();
+    places.sort_by_key(|place| {
+        let (x, y) = (place % width, place / width);
+        (y / tile, x / tile, y, x)
+    });
+    let chosen = places.into_iter().filter_map(|place| rays[place as usize]);
+    Ok(chosen.collect())
+}
+
+/// The machine of a scene.
+///
+/// # Errors
+/// If the scene has none.
+pub fn machine_of(scene: &Scene) -> anyhow::Result<Machine> {
+    scene.machine.with_context(|| {
+        format!(
+            "scene {}: it has no table [machine]; add one with kind = \"{}\" or \"{}\"",
+            scene.name,
+            MachineKind::Paper.name(),
+            MachineKind::Exact.name()
+        )
+    })
+}
+
+/// What a golden machine's run came to.
+#[derive(Clone, Debug, Serialize)]
+pub struct MachineReport {
+    /// Which machine.
+    pub machine: &'static str,
+    /// Trips begun a cycle, while 64 rays or more wait; none where there were never so many.
+    pub occupancy: Option<f64>,
+    /// From the first ray's entry to the last hit, of each pixel that has a ray.
+    pub cycles_per_pixel: f64,
+    /// Trips round the loop.
+    pub trips: u64,
+    /// Cycles in which none began since no ray waited.
+    pub gaps_without_ray: u64,
+    /// Cycles in which none began since there was no room behind the loop, or the cache was being
+    /// cleared.
+    pub gaps_without_room: u64,
+    /// Lookups that found their height, of all.
+    pub cache_hit_rate: f64,
+    /// Lines fetched.
+    pub lines_fetched: u64,
+    /// Bytes that came from the memory, of each pixel that has a ray.
+    pub memory_bytes_per_pixel: f64,
+    /// Rays that never left.
+    pub lost: u64,
+    /// Hits that left twice.
+    pub duplicated: u64,
+    /// Hits other than the golden walk's.
+    pub hits_differing: u64,
+    #[serde(skip)]
+    occupancy_over_time: OccupancyOverTime,
+}
+
+impl MachineReport {
+    fn of_paper(
+        summary: PaperSummary,
+        hits: HitReport,
+        occupancy_over_time: OccupancyOverTime,
+    ) -> MachineReport {
+        let counts = summary.counts;
+        MachineReport {
+            machine: MachineKind::Paper.name(),
+            occupancy: (summary.busy_cycles > 0).then(|| summary.occupancy()),
+            cycles_per_pixel: summary.cycles_per_ray(),
+            trips: counts.passes,
+            gaps_without_ray: counts.gaps_without_ray,
+            gaps_without_room: counts.gaps_without_room,
+            cache_hit_rate: summary.hit_rate(),
+            lines_fetched: counts.lines_fetched,
+            memory_bytes_per_pixel: summary.bytes as f64 / summary.hits.max(1) as f64,
+            lost: hits.lost(),
+            duplicated: hits.duplicated,
+            hits_differing: hits.differing,
+            occupancy_over_time,
+        }
+    }
+
+    /// Did every ray leave once, with the golden walk's hit?
+    pub fn agrees(&self) -> bool {
+        self.lost == 0 && self.duplicated == 0 && self.hits_differing == 0
+    }
+
+    /// Cycles of the run.
+    pub fn cycles(&self) -> u64 {
+        self.trips + self.gaps_without_ray + self.gaps_without_room
+    }
+
+    /// For each span of cycles its middle and the trips begun a cycle.
+    pub fn occupancy_points(&self) -> Vec<(f64, f64)> {
+        self.occupancy_over_time.points()
+    }
+
+    /// Rows for people.
+    pub fn rows(&self) -> Vec<(&'static str, String)> {
+        let occupancy = match self.occupancy {
+            Some(occupancy) => format!("{occupancy:.3} trips a cycle while 64 rays or more wait"),
+            None => "never as many as 64 rays waited".to_owned(),
+        };
+        vec![
+            ("machine", self.machine.to_owned()),
+            ("occupancy", occupancy),
+            ("cycles", format!("{:.2} a pixel", self.cycles_per_pixel)),
+            (
+                "trips",
+                format!(
+                    "{}; cycles without one: {} no ray waited, {} no room behind",
+                    self.trips, self.gaps_without_ray, self.gaps_without_room
+                ),
+            ),
+            (
+                "cache",
+                format!(
+                    "{:.2} % hits, {} lines fetched, {:.2} bytes a pixel",
+                    100.0 * self.cache_hit_rate,
+                    self.lines_fetched,
+                    self.memory_bytes_per_pixel
+                ),
+            ),
+            (
+                "hits",
+                format!(
+                    "{} lost, {} left twice, {} other than the golden walk's",
+                    self.lost, self.duplicated, self.hits_differing
+                ),
+            ),
+        ]
+    }
+}
