@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 
 use crate::netlist::{Module, Operation};
 use crate::operators::CORE_INSTANCE;
+use crate::units::STEP_INSTANCE;
 
 /// Bytes of the SHA-256 that are shown: 64 bits tell any two of our netlists apart.
 const SHOWN_BYTES: usize = 8;
@@ -24,13 +25,16 @@ pub fn netlist_digest(top: &Arc<Module>) -> String {
         .collect()
 }
 
-/// The digest of the pipelined operator within a stream unit: its area is measured without the
-/// handshakes. None of any other module.
+/// The digest of the pipelined operator or step within a stream unit: its area is measured without
+/// the handshakes and, of a step, without the registers that delay its height and its address for them.
+/// None of any other module.
 pub fn core_digest(unit: &Arc<Module>) -> Option<String> {
-    match unit.instances.as_slice() {
-        [core] if core.name == CORE_INSTANCE => Some(netlist_digest(&core.module)),
+    let only = |module: &Arc<Module>, name: &str| match module.instances.as_slice() {
+        [only] if only.name == name => Some(only.module.clone()),
         _ => None,
-    }
+    };
+    let core = only(unit, CORE_INSTANCE)?;
+    Some(netlist_digest(&only(&core, STEP_INSTANCE).unwrap_or(core)))
 }
 
 type Known = HashMap<*const Module, [u8; 32]>;

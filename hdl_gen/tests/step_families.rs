@@ -167,13 +167,18 @@ fn lint_has_nothing_to_say_of_a_step_of_each_family() {
     }
     let pyramid = pyramid();
     for (method, format, crossing) in [
+        ("texel", "e7f16", "index"),
         ("mixed-coherent", "e7f16", "index"),
+        ("texel", "fixed", "index"),
         ("mixed-selective", "fixed", "index"),
         ("quad", "e7f16", "index"),
         ("block", "fixed", "index"),
+        ("window", "e7f16", "index"),
+        ("window", "fixed", "index"),
         ("tevs", "e7f16", "offset:0.0625"),
         ("relief", "e7f16", "index"),
         ("pom", "e7f16", "index"),
+        ("dig", "e7f16", "index"),
     ] {
         let walk = Walk {
             method: method.parse().unwrap(),

@@ -112,7 +112,18 @@ fn what_cannot_be_measured_is_refused_in_one_line() {
     let cache = tempfile::tempdir().unwrap();
     for (arguments, variable, expected) in [
         ("area --unit float_ad", "NONE", "float_add"),
-        ("area --unit traverse_step", "NONE", "operators"),
+        ("area --unit traverse", "NONE", "traverse_step"),
+        ("area --unit float_add --method oh", "NONE", "of steps"),
+        (
+            "area --unit traverse_step --rounding rtz",
+            "NONE",
+            "of operators",
+        ),
+        (
+            "area --unit traverse_step --method relief --format fixed",
+            "NONE",
+            "fixed point",
+        ),
         (
             "area --unit float_add --format exact",
             "NONE",

@@ -6,8 +6,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::mapped::MappedNetlist;
+use super::pads::fitted;
 use super::tools::Tools;
-use super::{AreaError, Flow, read};
+use super::{AreaError, Flow, read, write};
 
 /// What a module takes on an ECP5 of 85 thousand look-up tables, speed grade 6.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -62,6 +63,9 @@ pub(super) struct Placed {
 /// The netlist that is placed.
 const NETLIST: &str = "ecp5.json";
 
+/// A register, where it takes its value and where it gives it.
+const REGISTER: (&str, &str, &str) = ("TRELLIS_FF", "DI", "Q");
+
 /// Maps the design to ECP5. With `wide_luts` abc may build functions of up to seven inputs out of
 /// pairs of look-up tables and multiplexers, which is Yosys's default; without (`-nowidelut`)
 /// logic like ours takes fewer of them. With `no_dsp` products are made of look-up tables.
@@ -78,20 +82,25 @@ pub(super) fn synthesise(
         format!("read_verilog {sources}; synth_ecp5{wide}{dsp} -top {top} -json {NETLIST}");
     tools.yosys.run(folder, &["-q", "-p", &script])?;
     let text = read(&folder.join(NETLIST))?;
-    let netlist =
-        MappedNetlist::read(&text, top).map_err(|problem| tools.yosys.unreadable(problem))?;
+    let unreadable = |problem| tools.yosys.unreadable(problem);
+    let netlist = MappedNetlist::read(&text, top).map_err(unreadable)?;
+    if let Some(text) = fitted(&text, top, REGISTER).map_err(unreadable)? {
+        write(&folder.join(NETLIST), &text)?;
+    }
     let lut4_memory = LUT4_OF_MEMORY * netlist.count(&["TRELLIS_DPR16X4"]);
+    let (kind, data, out) = REGISTER;
     Ok(Synthesised {
         lut4: netlist.count(&["LUT4"]) + lut4_memory,
         lut4_memory,
-        ff: netlist.registers_within("TRELLIS_FF", "DI", "Q"),
+        ff: netlist.registers_within(kind, data, out),
         carry: netlist.count(&["CCU2C"]),
         dsp: netlist.count(&["MULT18X18D"]),
         bram: netlist.count(&["DP16KD", "PDPW16KD"]),
     })
 }
 
-/// Places and routes it. The largest package gives pads enough for every operator.
+/// Places and routes it. The largest package gives pads enough for every operator; a step of the
+/// traverse unit has more ports ([`fitted`]).
 pub(super) fn place(tools: &Tools, folder: &Path, seed: u64) -> Result<Placed, AreaError> {
     let (seed, report) = (seed.to_string(), format!("placed_{seed}.json"));
     let mut arguments = vec!["--quiet", "--85k", "--speed", "6", "--package", "CABGA756"];

@@ -15,6 +15,7 @@ mod ecp5;
 mod gates;
 mod liberty;
 mod mapped;
+mod pads;
 mod tools;
 mod wrapper;
 mod xilinx;

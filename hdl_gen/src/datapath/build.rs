@@ -1,9 +1,10 @@
 //! From a scheduled recording to a module.
 
 use super::integer_product::integer_product;
+use super::naming::names;
 use super::record::Recording;
 use super::schedule::{OperatorLatencies, Schedule};
-use super::signal::{Kind, Recorded, RecordedOperation, SignalId};
+use super::signal::{Kind, RecordedOperation, SignalId};
 use super::word_logic;
 use crate::netlist::{Builder, Meaning, Module, Wire};
 use crate::operators::{FloatOperator, OperatorConfiguration};
@@ -74,6 +75,7 @@ pub fn build(
 ) -> BuiltDatapath {
     let mut build = Build {
         recording,
+        names: names(recording),
         schedule,
         latencies,
         builder: Builder::new(name),
@@ -122,6 +124,8 @@ pub fn build(
 
 struct Build<'a> {
     recording: &'a Recording,
+    /// What each signal is called.
+    names: Vec<String>,
     schedule: &'a Schedule,
     latencies: &'a OperatorLatencies,
     builder: Builder,
@@ -267,27 +271,13 @@ impl Build<'_> {
         }
     }
 
-    fn name(&self, id: SignalId) -> String {
-        let signal = self.recording.signal(id);
-        match (signal.name, signal.operation) {
-            (Some(name), _) => name.to_owned(),
-            (None, RecordedOperation::IntFromHeight(height)) => {
-                format!("{}_as_integer", self.name(height))
-            }
-            (None, _) => {
-                let before = &self.recording.signals[..id.index()];
-                let is_reading = |signal: &&Recorded| {
-                    matches!(signal.operation, RecordedOperation::IntFromHeight(_))
-                };
-                let readings = before.iter().filter(is_reading).count();
-                format!("operation_{}", id.index() - readings)
-            }
-        }
+    fn name(&self, id: SignalId) -> &str {
+        &self.names[id.index()]
     }
 
     fn stage_name(&self, id: SignalId, stage: u32) -> String {
         if self.schedule.last_stage == 0 {
-            return self.name(id);
+            return self.name(id).to_owned();
         }
         format!("{}_s{stage}", self.name(id))
     }
@@ -350,7 +340,7 @@ impl Build<'_> {
                 _ => *operands.next().expect("one operand for each port"),
             })
             .collect();
-        let name = self.name(id);
+        let name = self.name(id).to_owned();
         self.builder
             .instance(&format!("{name}_operator"), &module, &ports)[0]
     }

@@ -5,6 +5,7 @@ mod build;
 mod delay;
 mod elements;
 mod integer_product;
+mod naming;
 mod record;
 mod schedule;
 mod signal;

@@ -6,7 +6,7 @@ use rtl_model::float::FloatFormat;
 use rtl_model::maps::Pyramid;
 use rtl_model::ray::Ray;
 use rtl_model::readings::FloatReading;
-use rtl_model::scene::{Method, Walk, WalkFormat};
+use rtl_model::scene::{LinearSearch, Method, Walk, WalkFormat};
 use rtl_model::units::any_step::AnyStep;
 use rtl_model::units::node_step::NodeStep;
 use rtl_model::units::search_policy::SearchPolicy;
@@ -161,6 +161,26 @@ impl UnitConfiguration {
             lines.push(format!("format: {}", self.format));
         }
         lines
+    }
+
+    /// The function that the golden model evaluates for a step.
+    pub(super) fn golden(&self) -> &'static str {
+        match self.step {
+            AnyStep::Nodes(_) => "rtl_model::units::traverse_step::traverse_step",
+            AnyStep::Fixed(_) => "rtl_model::units::fixed_step::fixed_step",
+            AnyStep::Wide(_) => "rtl_model::units::wide_step::wide_step",
+            AnyStep::WideFixed(_) => "rtl_model::units::wide_fixed_step::wide_fixed_step",
+            AnyStep::Window(_) => "rtl_model::units::window_step::window_step",
+            AnyStep::WindowFixed(_) => "rtl_model::units::window_fixed_step::window_fixed_step",
+            AnyStep::Bounded(_) => "rtl_model::units::bounded_step::bounded_step",
+            AnyStep::Offset(_) => "rtl_model::units::offset_step::offset_step",
+            AnyStep::Linear(step) => match step.search {
+                LinearSearch::Pom => "rtl_model::units::pom_step::pom_step",
+                LinearSearch::Relief | LinearSearch::Dig => {
+                    "rtl_model::units::relief_step::relief_step"
+                }
+            },
+        }
     }
 
     /// The operators' cycles, as a module's header says them.

@@ -25,4 +25,5 @@ pub use paper_probes::{PaperLayout, declared_word, loop_probes};
 pub use probe::{CycleLayout, CycleWords, Probe};
 pub use traverse::TraverseUnit;
 pub use traverse_datapaths::{BuiltSetup, FreshValue, build_setup, build_step, step_registers};
+pub(crate) use traverse_step_unit::STEP_INSTANCE;
 pub use traverse_step_unit::build_step_unit;

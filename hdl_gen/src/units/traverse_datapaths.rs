@@ -147,6 +147,11 @@ pub fn build_step(configuration: &UnitConfiguration) -> BuiltDatapath {
     let schedule = schedule(&recording, &latencies);
 
     let mut description = configuration.description();
+    let bound = step.step_bound();
+    description.push(format!(
+        "a walk without a hit ends with guard at step {bound}, which is hexadecimal {bound:x}"
+    ));
+    description.push(format!("golden: {}", configuration.golden()));
     description.push(configuration.cycles_line(schedule.last_stage));
     let height_ports: Vec<String> = step
         .height_ports()

@@ -8,6 +8,9 @@ use crate::pipeline::ENABLE;
 use rtl_model::units::step::Step;
 use std::sync::Arc;
 
+/// The name that the step has as an instance in `<step>_aligned`.
+pub(crate) const STEP_INSTANCE: &str = "step";
+
 /// The module `<step>_unit`, such as `traverse_step_unit`: the step with `valid`/`ready` handshakes
 /// (see [`stream_unit`]), a ray's registers and the heights it asks for in together, all results
 /// out together.
@@ -76,7 +79,7 @@ fn aligned_step(configuration: &UnitConfiguration) -> Arc<Module> {
         .collect();
 
     builder.section("the step");
-    let results = builder.instance("step", &step, &inputs);
+    let results = builder.instance(STEP_INSTANCE, &step, &inputs);
 
     builder.section("the address, with the other results");
     for (result, (name, driver)) in results.into_iter().zip(&step.outputs) {

@@ -44,6 +44,16 @@ impl VectorSet {
         self.vectors.push(values);
     }
 
+    /// The set with at most so many of its vectors, taken evenly from first to last.
+    pub fn thinned(mut self, most: usize) -> VectorSet {
+        let count = self.vectors.len();
+        if count > most {
+            let kept = (0..most).map(|place| self.vectors[place * count / most].clone());
+            self.vectors = kept.collect();
+        }
+        self
+    }
+
     /// The lowest bit of each field in a vector, in the order of the fields.
     pub fn low_bits(&self) -> Vec<u32> {
         let mut low = self.width();

@@ -141,6 +141,14 @@ pub fn write_vectors(plan: &VectorPlan, folder: &Path) -> Result<Manifest, Vecto
     files.write(folder)
 }
 
+/// The golden function that a module's header names.
+fn golden_of(module: &Module) -> &str {
+    let mut lines = module.description.iter();
+    lines
+        .find_map(|line| line.strip_prefix("golden: "))
+        .unwrap_or_default()
+}
+
 /// What the manifest says of a file beside what its vectors say.
 struct Entry<'a> {
     unit: &'a Arc<Module>,
@@ -176,11 +184,7 @@ impl Files {
         seed: Option<u64>,
     ) {
         let core = choice.build(latency);
-        let golden = core
-            .description
-            .iter()
-            .find_map(|line| line.strip_prefix("golden: "))
-            .unwrap_or_default();
+        let golden = golden_of(&core);
         let unit = stream_unit(&core);
         // The formula, then what decides of the last bits.
         let said = core.description.iter().enumerate();
@@ -211,7 +215,7 @@ impl Files {
         let entry = Entry {
             unit,
             description: "steps of walks, one a line: the registers before and after",
-            golden: "rtl_model::units::traverse_step::traverse_step",
+            golden: golden_of(unit),
             scene,
             seed: None,
         };

@@ -1,6 +1,7 @@
 //! `stepwell area`: what units take of a chip, and how fast they are.
 
 mod report;
+mod subject;
 mod table;
 
 use std::path::PathBuf;
@@ -11,20 +12,21 @@ use clap::Args;
 
 use hdl_gen::area::{Flow, Tools, measure};
 use hdl_gen::digest::netlist_digest;
-use hdl_gen::operators::stream_unit;
+use rtl_model::scene::{Crossing, Method};
 
 use self::report::{Report, UnitFigures};
+use self::subject::Subject;
 use super::Outcome;
-use crate::operator_options::{ChosenOperator, OperatorOptions};
-use crate::options::{AnswerOptions, NumberFormat};
+use crate::operator_options::OperatorOptions;
+use crate::options::{AnswerOptions, MapOptions, NumberFormat};
 use crate::output::{OutputFile, OutputFolder};
 use crate::progress;
 use crate::terminal;
 
-/// Area and speed of operators, by synthesis, placement and routing
+/// Area and speed of operators and of traversals' steps, by synthesis, placement and routing
 ///
 /// Measures the very netlists that verify compares with the golden model: the digests are the
-/// same. On a Lattice ECP5 (Yosys, then nextpnr-ecp5 with some seeds; speed grade 6) the operator
+/// same. On a Lattice ECP5 (Yosys, then nextpnr-ecp5 with some seeds; speed grade 6) the module
 /// stands between two layers of registers on each side, which are not counted; the LUT4 figure is
 /// nextpnr's, with two look-up tables for each carry cell. On a Xilinx 7 series device Yosys counts
 /// LUT6; in standard cells abc gives area (kGE: thousands of two-input NAND gates) and delay.
@@ -33,9 +35,11 @@ use crate::terminal;
 #[derive(Args, Debug)]
 #[command(after_help = "Examples: stepwell area --unit float_add\n          \
                   stepwell area --unit float_mul,float_cmp --format e5f10 --latency 1 --seeds 1\n          \
-                  stepwell area --unit float_add --policy full --flags --latency 1 --wide-luts")]
+                  stepwell area --unit float_add --policy full --flags --latency 1 --wide-luts\n          \
+                  stepwell area --unit traverse_step --method oh,block --format fixed --seeds 1")]
 pub struct Arguments {
-    /// An operator (float_add, ...), or several: repeat the option, or put commas between
+    /// An operator (float_add, ...) or traverse_step, or several: repeat the option, or put commas
+    /// between
     #[arg(
         long,
         value_name = "UNIT",
@@ -48,6 +52,17 @@ pub struct Arguments {
     /// operator qI.F or uqI.F
     #[arg(long, value_name = "FORMAT")]
     format: Option<NumberFormat>,
+
+    /// Of traverse_step: the traversal, oh unless told, or several, such as oh,block
+    #[arg(long, value_name = "METHOD", value_delimiter = ',', requires = "unit")]
+    method: Vec<Method>,
+
+    /// Of traverse_step: the way borders are crossed, index (unless told) or offset:X
+    #[arg(long, value_name = "CROSSING", requires = "unit")]
+    crossing: Option<Crossing>,
+
+    #[command(flatten)]
+    map: MapOptions,
 
     #[command(flatten)]
     operator: OperatorOptions,
@@ -65,7 +80,7 @@ pub struct Arguments {
     /// rivals, Markdown, into this file; takes a quarter of an hour
     #[arg(long, value_name = "FILE", conflicts_with_all = ["unit", "format", "wide_luts",
         "rounding", "policy", "flags",
-        "latency", "multiplier", "radix", "result_format", "b_format", "overflow"])]
+        "latency", "multiplier", "radix", "result_format", "b_format", "overflow", "map", "method"])]
     table: Option<PathBuf>,
 
     /// Folder for area.csv and area.json, made if missing
@@ -76,6 +91,49 @@ pub struct Arguments {
     answer: AnswerOptions,
 }
 
+/// The name of the unit that is a traversal's step.
+const STEP: &str = "traverse_step";
+
+impl Arguments {
+    /// The operators and steps that are asked for. Nothing that a person says is ignored.
+    fn subjects(&self) -> anyhow::Result<Vec<Subject>> {
+        let has_step = self.unit.iter().any(|unit| unit == STEP);
+        if has_step {
+            self.operator.none_for(STEP)?;
+        } else {
+            for (option, is_given) in [
+                ("--method", !self.method.is_empty()),
+                ("--crossing", self.crossing.is_some()),
+                ("--map", self.map.map.is_some()),
+            ] {
+                if is_given {
+                    bail!("{option} is of steps: name one with --unit {STEP}, or leave it out");
+                }
+            }
+        }
+        let mut subjects = Vec::new();
+        for unit in &self.unit {
+            match unit.as_str() {
+                STEP => subjects.extend(Subject::steps(
+                    &self.method,
+                    self.format,
+                    self.crossing,
+                    &self.map,
+                )?),
+                "traverse" => bail!(
+                    "--unit traverse: area is measured of operators, such as float_add, and of \
+                     traverse_step, the step without its loop"
+                ),
+                name => {
+                    let chosen = self.operator.choose(name, self.format)?;
+                    subjects.push(Subject::Operator(chosen));
+                }
+            }
+        }
+        Ok(subjects)
+    }
+}
+
 /// Measures the units.
 pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     let start = Instant::now();
@@ -84,21 +142,16 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
         wide_luts: arguments.wide_luts,
         no_dsp: false,
     };
-    let subjects: Vec<(ChosenOperator, Flow)> = match arguments.table {
+    let subjects: Vec<(Subject, Flow)> = match arguments.table {
         Some(_) => table::subjects(flow)?,
-        None => {
-            let units = arguments.unit.iter();
-            let chosen = units.map(|unit| {
-                if unit.starts_with("traverse") {
-                    bail!("--unit {unit}: area is measured of operators, such as float_add");
-                }
-                Ok((arguments.operator.choose(unit, arguments.format)?, flow))
-            });
-            chosen.collect::<anyhow::Result<_>>()?
-        }
+        None => arguments
+            .subjects()?
+            .into_iter()
+            .map(|one| (one, flow))
+            .collect(),
     };
     if subjects.is_empty() {
-        bail!("--unit names no operator: nothing would be measured");
+        bail!("--unit names nothing: nothing would be measured");
     }
     let folder = arguments.output.as_deref().map(OutputFolder::prepare);
     let folder = folder.transpose()?;
@@ -109,15 +162,16 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     let steps = subjects.iter().map(|(_, flow)| flow.steps()).sum();
     let bar = progress::bar(steps, "steps");
     let mut units = Vec::new();
-    for (chosen, flow) in &subjects {
-        let core = chosen.configuration.build(chosen.latency);
+    for (subject, flow) in &subjects {
+        let core = subject.core();
         let figures = measure(&core, *flow, &tools, &|| bar.inc(1))
             .with_context(|| core.name.clone())
             .inspect_err(|_| bar.finish_and_clear())?;
-        let unit_digest = netlist_digest(&stream_unit(&core));
+        let unit_digest = netlist_digest(&subject.unit(&core));
         let digests = (unit_digest, netlist_digest(&core));
         units.push(UnitFigures::new(
-            chosen,
+            subject,
+            &core,
             *flow,
             digests,
             figures,

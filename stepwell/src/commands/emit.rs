@@ -160,7 +160,7 @@ fn operator(
 }
 
 fn step(arguments: &Arguments, folder: &std::path::Path) -> anyhow::Result<Package> {
-    let map = unit_map(&arguments.replacements)?;
+    let map = unit_map(&arguments.replacements.map)?;
     let pyramid = Pyramid::new(&map.source.load(map.channel, map.white_is_low)?);
     let walk = unit_walk(&arguments.replacements)?;
     let configuration = UnitConfiguration::of(walk, &pyramid)?;

@@ -32,28 +32,26 @@ use crate::{progress, terminal};
 ///
 /// Exit code 1 says that a promise is broken.
 #[derive(Args, Debug)]
-#[command(
-    after_help = "Example:\n  stepwell hard --method oh --method relief --format e7f16 --format exact"
-)]
+#[command(after_help = "Example:\n  stepwell hard --method oh,relief --format e7f16,exact")]
 pub struct Arguments {
     /// Folder of the cases
     #[arg(long, value_name = "DIR", default_value = "vectors/hard")]
     corpus: PathBuf,
 
-    /// Only this case; may be given several times
-    #[arg(long, value_name = "NAME")]
+    /// Only this case, or several: repeat the option, or put commas between
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
     case: Vec<String>,
 
-    /// Only cases of this family, such as re-entry; may be given several times
-    #[arg(long, value_name = "FAMILY")]
+    /// Only cases of this family, such as re-entry, or of several
+    #[arg(long, value_name = "FAMILY", value_delimiter = ',')]
     family: Vec<HardFamily>,
 
-    /// Only this traversal, such as oh, mixed-selective or block; may be given several times
-    #[arg(long, value_name = "METHOD")]
+    /// Only this traversal, such as oh or block, or several, such as oh,block
+    #[arg(long, value_name = "METHOD", value_delimiter = ',')]
     method: Vec<Method>,
 
-    /// Only this number format: eXfY, f64, exact, fixed or qI.F; may be given several times
-    #[arg(long, value_name = "FORMAT")]
+    /// Only this number format: eXfY, f64, exact, fixed or qI.F, or several
+    #[arg(long, value_name = "FORMAT", value_delimiter = ',')]
     format: Vec<WalkFormat>,
 
     /// How borders are crossed: index, or offset:X with X texels beyond the border (published, for

@@ -7,9 +7,10 @@ use std::time::Duration;
 use serde::Serialize;
 
 use hdl_gen::area::{Figures, Flow, Versions};
+use hdl_gen::netlist::Module;
 use hdl_gen::operators::{AnyOperator, FixedOperator, Multiplier, Radix};
 
-use crate::operator_options::ChosenOperator;
+use super::subject::Subject;
 use crate::summary::json;
 
 /// The JSON of a measurement.
@@ -25,6 +26,12 @@ pub struct Report {
 pub struct UnitFigures {
     pub unit: &'static str,
     pub module: String,
+    /// Of a step, its traversal.
+    pub method: Option<String>,
+    /// Of a step, how it crosses borders.
+    pub crossing: Option<String>,
+    /// Of a step, the map it is built for.
+    pub map: Option<String>,
     pub format: String,
     pub rounding: Option<&'static str>,
     pub policy: Option<&'static str>,
@@ -48,17 +55,24 @@ pub struct UnitFigures {
     pub um2: f64,
     pub cells: u64,
     pub delay_ns: f64,
-    /// Of the operator behind its handshakes, as `verify` gives it.
+    /// Of the operator or step behind its handshakes, as `verify` gives it.
     pub netlist_digest: String,
-    /// Of the operator itself, which was measured; `verify` gives it too.
+    /// Of the operator or step itself, which was measured; `verify` gives it too.
     pub core_digest: String,
     pub tools: Versions,
 }
 
-/// How an operator is built, as far as floats and fixed point have the same words for it.
+/// How a unit is built, as far as there are the same words for all kinds.
+#[derive(Default)]
 struct Build {
     unit: &'static str,
+    module: String,
+    method: Option<String>,
+    crossing: Option<String>,
+    map: Option<String>,
     format: String,
+    flags: bool,
+    latency: u32,
     rounding: Option<&'static str>,
     policy: Option<&'static str>,
     multiplier: Option<&'static str>,
@@ -66,7 +80,29 @@ struct Build {
 }
 
 impl Build {
-    fn of(operator: AnyOperator) -> Build {
+    fn of(subject: &Subject, core: &Module) -> Build {
+        let build = match subject {
+            Subject::Operator(chosen) => Build {
+                flags: chosen.configuration.has_flags(),
+                ..Build::of_operator(chosen.configuration)
+            },
+            Subject::Step(step) => Build {
+                unit: "traverse_step",
+                method: Some(step.walk.method.to_string()),
+                crossing: Some(step.walk.crossing.to_string()),
+                map: Some(step.map.clone()),
+                format: step.walk.format.to_string(),
+                ..Build::default()
+            },
+        };
+        Build {
+            module: core.name.clone(),
+            latency: core.latency,
+            ..build
+        }
+    }
+
+    fn of_operator(operator: AnyOperator) -> Build {
         match operator {
             AnyOperator::Float(configuration) => Build {
                 unit: configuration.operator.name(),
@@ -85,6 +121,7 @@ impl Build {
                     Radix::Four => "4",
                     Radix::Mixed => "mixed",
                 }),
+                ..Build::default()
             },
             AnyOperator::Fixed(configuration) => {
                 let (format, policy) = match configuration.operator {
@@ -102,8 +139,7 @@ impl Build {
                     format,
                     rounding: has_rounding.then(|| configuration.rounding.name()),
                     policy,
-                    multiplier: None,
-                    radix: None,
+                    ..Build::default()
                 }
             }
         }
@@ -111,9 +147,10 @@ impl Build {
 }
 
 impl UnitFigures {
-    /// What was measured of an operator; the digests are of the unit and of its core.
+    /// What was measured of `core`; the digests are of the unit and of its core.
     pub fn new(
-        chosen: &ChosenOperator,
+        subject: &Subject,
+        core: &Module,
         flow: Flow,
         (netlist_digest, core_digest): (String, String),
         figures: Figures,
@@ -124,17 +161,20 @@ impl UnitFigures {
             xilinx,
             gates,
         } = figures;
-        let build = Build::of(chosen.configuration);
+        let build = Build::of(subject, core);
         UnitFigures {
             unit: build.unit,
-            module: chosen.configuration.module_name(chosen.latency),
+            module: build.module,
+            method: build.method,
+            crossing: build.crossing,
+            map: build.map,
             format: build.format,
             rounding: build.rounding,
             policy: build.policy,
-            flags: chosen.configuration.has_flags(),
+            flags: build.flags,
             multiplier: build.multiplier,
             radix: build.radix,
-            latency: chosen.latency,
+            latency: build.latency,
             lut4: ecp5.lut4,
             lut4_taken: ecp5.lut4_taken,
             ff: ecp5.ff,
@@ -158,11 +198,17 @@ impl UnitFigures {
 
     /// The columns of the table and of the CSV file: a title, what is short for people, and the
     /// value.
-    fn columns(&self) -> [(&'static str, &'static str, String); 25] {
+    fn columns(&self) -> [(&'static str, &'static str, String); 28] {
+        let of_step = |text: &Option<String>| text.clone().unwrap_or_default();
+        // Operators alone have no use for the column.
+        let method_title = if self.method.is_some() { "method" } else { "" };
         let seeds: Vec<String> = self.fmax_mhz_of_seeds.iter().map(f64::to_string).collect();
         [
             ("unit", "", self.unit.to_owned()),
             ("module", "unit", self.module.clone()),
+            ("method", method_title, of_step(&self.method)),
+            ("crossing", "", of_step(&self.crossing)),
+            ("map", "", of_step(&self.map)),
             ("format", "", self.format.clone()),
             ("rounding", "", self.rounding.unwrap_or_default().to_owned()),
             ("policy", "", self.policy.unwrap_or_default().to_owned()),

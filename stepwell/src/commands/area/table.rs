@@ -10,6 +10,7 @@ use hdl_gen::operators::{Multiplier, OperatorConfiguration, Radix, Structure};
 use rtl_model::float::{FloatFormat, Policy, Rounding};
 
 use super::report::{Report, UnitFigures};
+use super::subject::Subject;
 use crate::operator_options::ChosenOperator;
 use crate::units::named_operator;
 
@@ -137,11 +138,11 @@ impl Row {
 }
 
 /// What the table measures, in its order.
-pub fn subjects(flow: Flow) -> anyhow::Result<Vec<(ChosenOperator, Flow)>> {
+pub fn subjects(flow: Flow) -> anyhow::Result<Vec<(Subject, Flow)>> {
     let rows = table()?.row;
     let subjects = rows.iter().map(|row| {
         let wide_luts = row.wide_luts;
-        Ok((row.chosen()?, Flow { wide_luts, ..flow }))
+        Ok((Subject::Operator(row.chosen()?), Flow { wide_luts, ..flow }))
     });
     subjects.collect()
 }
@@ -366,7 +367,8 @@ mod tests {
         let subjects = subjects(Flow::DEFAULT).unwrap();
         let units = subjects.iter().map(|(chosen, flow)| {
             let digests = ("unit".to_owned(), "core".to_owned());
-            UnitFigures::new(chosen, *flow, digests, figures.clone(), &versions())
+            let core = chosen.core();
+            UnitFigures::new(chosen, &core, *flow, digests, figures.clone(), &versions())
         });
         Report::new(units.collect(), Duration::ZERO)
     }

@@ -156,7 +156,7 @@ fn operator(
 
 /// A step of the traverse unit, on steps of every kind out of the walks of random rays.
 fn step(arguments: &Arguments) -> anyhow::Result<Subject> {
-    let source = unit_map(&arguments.replacements)?;
+    let source = unit_map(&arguments.replacements.map)?;
     let pyramid = Pyramid::new(&source.source.load(source.channel, source.white_is_low)?);
     let walk = unit_walk(&arguments.replacements)?;
     let configuration = UnitConfiguration::of(walk, &pyramid)?;

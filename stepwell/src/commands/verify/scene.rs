@@ -57,7 +57,7 @@ pub fn verify(arguments: &Arguments, path: &Path) -> anyhow::Result<Outcome> {
 
 /// Verifies the traverse unit with random rays.
 pub fn verify_random(arguments: &Arguments) -> anyhow::Result<Outcome> {
-    let map = unit_map(&arguments.replacements)?;
+    let map = unit_map(&arguments.replacements.map)?;
     let pyramid = Pyramid::new(&map.source.load(map.channel, map.white_is_low)?);
     let walk = unit_walk(&arguments.replacements)?;
     let configuration = configuration(walk, &pyramid)?;

@@ -3,14 +3,14 @@
 use rtl_model::maps::{Channel, MapSource};
 use rtl_model::scene::SceneMap;
 
-use crate::options::Replacements;
+use crate::options::MapOptions;
 
 /// Walked where no --map is given.
 const DEFAULT_MAP: &str = "procedural:spikes:64:1";
 
 /// The map for a unit on its own.
-pub fn unit_map(replacements: &Replacements) -> anyhow::Result<SceneMap> {
-    match replacements.map.chosen() {
+pub fn unit_map(options: &MapOptions) -> anyhow::Result<SceneMap> {
+    match options.chosen() {
         Some(map) => Ok(map),
         None => Ok(SceneMap {
             source: MapSource::parse(DEFAULT_MAP)?,

@@ -7,17 +7,27 @@ use rtl_model::ray::Ray;
 use rtl_model::scene::{Crossing, Method, Walk, WalkFormat};
 use rtl_model::walker::Walker;
 
-use crate::options::Replacements;
+use crate::options::{NumberFormat, Replacements};
 
 /// Method `oh` in e7f16, but for what the command line says.
 pub fn unit_walk(replacements: &Replacements) -> anyhow::Result<Walk> {
+    let method = replacements.method.unwrap_or(Method::Oh);
+    chosen_walk(method, replacements.format, replacements.crossing)
+}
+
+/// A method in e7f16, from node to node by index, but for what the command line says.
+pub fn chosen_walk(
+    method: Method,
+    format: Option<NumberFormat>,
+    crossing: Option<Crossing>,
+) -> anyhow::Result<Walk> {
     Ok(Walk {
-        method: replacements.method.unwrap_or(Method::Oh),
-        format: match replacements.format {
+        method,
+        format: match format {
             None => WalkFormat::Float(FloatFormat::E7F16),
             Some(format) => format.of_walk()?,
         },
-        crossing: replacements.crossing.unwrap_or(Crossing::Index),
+        crossing: crossing.unwrap_or(Crossing::Index),
     })
 }
 
