@@ -45,7 +45,7 @@ fn the_committed_vectors_are_those_the_golden_model_gives_today() {
             "vectors/{name} is not what is made today; run `make vectors` and look at what changed"
         );
     }
-    assert!(bytes < 300_000, "{bytes} bytes are too many to commit");
+    assert!(bytes < 400_000, "{bytes} bytes are too many to commit");
 }
 
 #[test]

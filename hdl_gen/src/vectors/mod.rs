@@ -27,4 +27,4 @@ pub use rays::{RayVectors, ray_vectors, scene_rays};
 pub use set::VectorSet;
 pub use step::{KEPT_EVERY, idle_step_results, step_vectors};
 pub(crate) use write::Files;
-pub use write::{VectorPlan, hardware_format, write_vectors};
+pub use write::{StepVectors, VectorPlan, hardware_format, write_vectors};

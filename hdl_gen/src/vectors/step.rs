@@ -55,6 +55,24 @@ pub fn step_vectors(
     chosen.set
 }
 
+/// The same of the walks of `rays` alone, without the thousands of rays through corners: for the
+/// steps that few vectors are kept of.
+pub fn few_step_vectors(
+    unit: &Module,
+    configuration: &UnitConfiguration,
+    pyramid: &Pyramid,
+    rays: &[Ray<f64>],
+) -> VectorSet {
+    let mut chosen = Chosen::new(unit, configuration, pyramid);
+    for &ray in rays {
+        chosen.walk(ray, true);
+    }
+    if let Some(&ray) = rays.first() {
+        chosen.ends(ray);
+    }
+    chosen.set
+}
+
 /// What the step answers to inputs that are all zero bits: what stands in the gaps of its
 /// pipeline. In the order of the unit's outputs, the handshakes aside.
 pub fn idle_step_results(

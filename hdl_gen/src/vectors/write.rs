@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use rtl_model::float::{FloatFormat, Rounding};
 use rtl_model::maps::Pyramid;
-use rtl_model::scene::{Scene, WalkFormat};
+use rtl_model::scene::{Crossing, Method, Scene, Walk, WalkFormat};
+use rtl_model::units::step::Step;
 use rtl_model::units::traverse_step::{INDEX_BITS, LEVEL_BITS};
 
 use super::error::VectorError;
@@ -14,7 +15,7 @@ use super::manifest::{Manifest, ManifestFile};
 use super::operators::operator_vectors;
 use super::rays::{RayVectors, ray_vectors, scene_rays};
 use super::set::VectorSet;
-use super::step::{KEPT_EVERY, step_vectors};
+use super::step::{KEPT_EVERY, few_step_vectors, step_vectors};
 use crate::datapath::OperatorLatencies;
 use crate::digest::netlist_digest;
 use crate::netlist::Module;
@@ -58,6 +59,50 @@ impl VectorPlan {
             random: 160,
             seed: 1,
         }
+    }
+
+    /// The walks whose steps have vectors beside the scene's own: a kind of step each.
+    pub fn other_steps(&self) -> [Walk; 6] {
+        let float = WalkFormat::Float(FloatFormat::E7F16);
+        let fixed = WalkFormat::Fixed(None);
+        [
+            (Method::MixedSelective, float),
+            (Method::Oh, fixed),
+            (Method::Block, float),
+            (Method::Block, fixed),
+            (Method::Relief, float),
+            (Method::BoundedQuad, fixed),
+        ]
+        .map(|(method, format)| Walk {
+            method,
+            format,
+            crossing: Crossing::Index,
+        })
+    }
+
+    /// The vectors of the step of a walk on the scene's map, with its unit and the name of their file.
+    ///
+    /// # Errors
+    /// If there is no hardware of the walk, or the scene has no rays.
+    pub fn step(&self, walk: Walk, pyramid: &Pyramid) -> Result<StepVectors, VectorError> {
+        let scene = Scene {
+            walk,
+            ..self.scene.clone()
+        };
+        let configuration = UnitConfiguration {
+            latencies: self.latencies,
+            ..UnitConfiguration::of(walk, pyramid)?
+        };
+        let unit = build_step_unit(&configuration);
+        let rays = scene_rays(&scene, pyramid)?;
+        let rays: Vec<_> = rays.into_iter().step_by(RAYS_A_STEP_RAY).collect();
+        let set = few_step_vectors(&unit, &configuration, pyramid, &rays);
+        let name = configuration.step.name();
+        Ok(StepVectors {
+            stem: format!("{name}_{}_{}", walk.method, walk.format).replace('-', "_"),
+            set: set.thinned(VECTORS_OF_A_STEP),
+            unit,
+        })
     }
 
     /// The operators that vectors are made for: all there are, in the roundings the step uses and
@@ -107,6 +152,22 @@ impl VectorPlan {
     }
 }
 
+/// Vectors of each step beside the scene's own: enough to show ports, and steps of many kinds.
+const VECTORS_OF_A_STEP: usize = 32;
+/// Of a scene's rays one in so many is walked for them.
+const RAYS_A_STEP_RAY: usize = 16;
+
+/// The vectors of a step, and what they are of.
+#[derive(Clone, Debug)]
+pub struct StepVectors {
+    /// The name of their file: the step's, the method's and the format's.
+    pub stem: String,
+    /// The step behind handshakes.
+    pub unit: Arc<Module>,
+    /// The vectors.
+    pub set: VectorSet,
+}
+
 /// Writes the vectors of a plan and their manifest into `folder`, which is made where it is
 /// missing. All files are put in place together, after all have been written.
 ///
@@ -133,6 +194,10 @@ pub fn write_vectors(plan: &VectorPlan, folder: &Path) -> Result<Manifest, Vecto
     let step = build_step_unit(&configuration);
     let set = step_vectors(&step, &configuration, &pyramid, &rays, KEPT_EVERY);
     files.add_step("traverse_step", &step, &set, Some(scene));
+    for walk in plan.other_steps() {
+        let StepVectors { stem, unit, set } = plan.step(walk, &pyramid)?;
+        files.add_step(&stem, &unit, &set, Some(scene));
+    }
     let traverse = TraverseUnit::build(configuration);
     let words = rays.iter().map(|&ray| configuration.port_words(ray));
     let words: Vec<_> = words.collect();
