@@ -43,6 +43,18 @@ impl PaperScene {
     /// # Errors
     /// If the scene's walk is not the paper's, its map too small, or its frame too large.
     pub fn of(scene: &Scene, machine: &Machine) -> anyhow::Result<PaperScene> {
+        PaperScene::with_latencies(scene, machine, &OperatorLatencies::PAPER)
+    }
+
+    /// Builds it with operators of other latencies than the paper's.
+    ///
+    /// # Errors
+    /// As [`PaperScene::of`].
+    pub fn with_latencies(
+        scene: &Scene,
+        machine: &Machine,
+        latencies: &OperatorLatencies,
+    ) -> anyhow::Result<PaperScene> {
         let name = &scene.name;
         let walks = scene.walk;
         let format = match (walks.method, walks.format, walks.crossing) {
@@ -83,7 +95,7 @@ impl PaperScene {
             layout: HeightLayout::Tiles,
         };
         let shape = PaperShape::new(step, format.width(), machine);
-        let paper = PaperLoop::build(&shape, format, &OperatorLatencies::PAPER);
+        let paper = PaperLoop::build(&shape, format, latencies);
         Ok(PaperScene {
             unit: PaperUnit::build(&paper),
             format,

@@ -113,6 +113,17 @@ fn what_cannot_be_measured_is_refused_in_one_line() {
     for (arguments, variable, expected) in [
         ("area --unit float_ad", "NONE", "float_add"),
         ("area --unit traverse", "NONE", "traverse_step"),
+        ("area scenes/first.toml", "NONE", "[machine]"),
+        (
+            "area scenes/machine-paper.toml --rounding rtz",
+            "NONE",
+            "of operators",
+        ),
+        (
+            "area scenes/machine-paper.toml",
+            "STEPWELL_YOSYS",
+            "make tools",
+        ),
         ("area --unit float_add --method oh", "NONE", "of steps"),
         (
             "area --unit traverse_step --rounding rtz",

@@ -11,6 +11,8 @@ use super::tools::Tools;
 use super::{AreaError, read, write};
 
 /// What a module takes in standard cells, before placement; wires have neither area nor delay.
+/// Memories of more than 64 words stand apart: a chip has them as macros of static RAM, whose area
+/// no library of gates tells. Smaller ones, such as FIFOs, are registers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gates {
     /// Cells, registers included.
@@ -22,7 +24,13 @@ pub struct Gates {
     /// The longest path through the logic between registers, in nanoseconds, without the
     /// registers' own.
     pub delay_ns: f64,
+    /// Memories that stand apart and are not counted.
+    #[serde(default)]
+    pub memories_apart: u64,
 }
+
+/// What stands for a memory that is not built of gates: a cell that Yosys does not know.
+const MEMORY_APART: &str = "memory_apart";
 
 /// What abc does, which is Yosys's own sequence for a library but for the last line: with `-d`
 /// abc's timing goes into a file, `stats.txt`, because a Yosys in WebAssembly loses what abc
@@ -56,7 +64,9 @@ pub(super) fn synthesise(
         .map(|name| format!("../{name}"))
         .collect();
     let script = format!(
-        "read_verilog {}; synth -flatten -top {top}; dfflibmap -liberty cells.lib; \
+        "read_verilog {}; synth -flatten -top {top} -run begin:fine; \
+         select -set apart t:$mem_v2 r:SIZE>64 %i; setattr -set keep 1 @apart; \
+         chtype -set \\{MEMORY_APART} @apart; synth -run fine:check; dfflibmap -liberty cells.lib; \
          abc -liberty cells.lib -constr gates.constr -script gates.abc -dont_use CLKBUF*; \
          opt_clean -purge; write_json gates.json",
         sources.join(" ")
@@ -65,8 +75,11 @@ pub(super) fn synthesise(
     let text = read(&folder.join("gates.json"))?;
     let netlist =
         MappedNetlist::read(&text, top).map_err(|problem| tools.yosys.unreadable(problem))?;
+    let memories_apart = netlist.count(&[MEMORY_APART]);
+    let mut kinds = netlist.kinds();
+    kinds.remove(MEMORY_APART);
     let mut um2 = 0.0;
-    for (kind, count) in netlist.kinds() {
+    for (&kind, &count) in &kinds {
         let area = liberty.area(kind).filter(|_| !kind.contains("LATCH"));
         let area = area.ok_or_else(|| {
             tools.yosys.unreadable(format!(
@@ -76,16 +89,17 @@ pub(super) fn synthesise(
         um2 += area * count as f64;
     }
     // A module that only moves wires has no gates, and abc then says nothing.
-    let delay_ns = match netlist.kinds().is_empty() {
+    let delay_ns = match kinds.is_empty() {
         true => 0.0,
         false => delay_ns(&read(&folder.join("stats.txt"))?)
             .map_err(|problem| tools.yosys.unreadable(problem))?,
     };
     Ok(Gates {
-        cells: netlist.kinds().values().sum(),
+        cells: kinds.values().sum(),
         um2,
         kge: (liberty.gate_equivalents(um2)).round() / 1000.0,
         delay_ns,
+        memories_apart,
     })
 }
 

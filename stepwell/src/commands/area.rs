@@ -1,5 +1,6 @@
 //! `stepwell area`: what units take of a chip, and how fast they are.
 
+mod machine;
 mod report;
 mod subject;
 mod table;
@@ -14,16 +15,18 @@ use hdl_gen::area::{Flow, Tools, measure};
 use hdl_gen::digest::netlist_digest;
 use rtl_model::scene::{Crossing, Method};
 
+use self::machine::{Latencies, MeasuredMachine};
 use self::report::{Report, UnitFigures};
 use self::subject::Subject;
 use super::Outcome;
+use crate::machine::machine_of;
 use crate::operator_options::OperatorOptions;
-use crate::options::{AnswerOptions, MapOptions, NumberFormat};
+use crate::options::{AnswerOptions, MapOptions, NumberFormat, Replacements, Size};
 use crate::output::{OutputFile, OutputFolder};
 use crate::progress;
 use crate::terminal;
 
-/// Area and speed of operators and of traversals' steps, by synthesis, placement and routing
+/// Area and speed of a scene's machine, of operators and of traversals' steps, by synthesis, placement and routing
 ///
 /// Measures the very netlists that verify compares with the golden model: the digests are the
 /// same. On a Lattice ECP5 (Yosys, then nextpnr-ecp5 with some seeds; speed grade 6) the module
@@ -36,15 +39,21 @@ use crate::terminal;
 #[command(after_help = "Examples: stepwell area --unit float_add\n          \
                   stepwell area --unit float_mul,float_cmp --format e5f10 --latency 1 --seeds 1\n          \
                   stepwell area --unit float_add --policy full --flags --latency 1 --wide-luts\n          \
-                  stepwell area --unit traverse_step --method oh,block --format fixed --seeds 1")]
+                  stepwell area --unit traverse_step --method oh,block --format fixed --seeds 1\n          \
+                  stepwell area scenes/machine-paper.toml --no-dsp --seeds 1")]
 pub struct Arguments {
+    /// Scene file (TOML) with a table [machine]: every unit of the machine is measured, and all of
+    /// it, and its golden model runs the frame to tell cycles and so pixels a second
+    #[arg(value_name = "SCENE", conflicts_with_all = ["unit", "table"])]
+    scene: Option<PathBuf>,
+
     /// An operator (float_add, ...) or traverse_step, or several: repeat the option, or put commas
     /// between
     #[arg(
         long,
         value_name = "UNIT",
         value_delimiter = ',',
-        required_unless_present = "table"
+        required_unless_present_any = ["table", "scene"]
     )]
     unit: Vec<String>,
 
@@ -72,6 +81,19 @@ pub struct Arguments {
         value_parser = clap::value_parser!(u32).range(1..=99))]
     seeds: u32,
 
+    /// Multiply in look-up tables alone, on both devices: no hard multiplier
+    #[arg(long, conflicts_with = "table")]
+    no_dsp: bool,
+
+    /// Of a scene's machine of kind paper: cycles of adder, multiplier, divider, comparator and
+    /// conversion; 2,1,2,1,1 unless told, which are the paper's
+    #[arg(long, value_name = "CYCLES", requires = "scene")]
+    latencies: Option<Latencies>,
+
+    /// Replace the scene's frame, in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT", requires = "scene")]
+    size: Option<Size>,
+
     /// Without Yosys's -nowidelut: functions of five to seven inputs out of LUT4 and multiplexers
     #[arg(long)]
     wide_luts: bool,
@@ -95,6 +117,29 @@ pub struct Arguments {
 const STEP: &str = "traverse_step";
 
 impl Arguments {
+    /// The scene's machine, with its golden run, which takes a while: it is not done for nothing,
+    /// where the tools are missing.
+    fn machine(&self, has_tools: bool) -> anyhow::Result<Option<MeasuredMachine>> {
+        let Some(path) = &self.scene else {
+            return Ok(None);
+        };
+        self.operator.none_for("a scene")?;
+        let replacements = Replacements {
+            map: self.map.clone(),
+            format: self.format,
+            method: None,
+            crossing: None,
+            camera: None,
+            size: self.size,
+        };
+        let scene = replacements.load(path)?;
+        machine_of(&scene)?;
+        if !has_tools {
+            return Ok(None);
+        }
+        MeasuredMachine::of(&scene, self.latencies).map(Some)
+    }
+
     /// The operators and steps that are asked for. Nothing that a person says is ignored.
     fn subjects(&self) -> anyhow::Result<Vec<Subject>> {
         let has_step = self.unit.iter().any(|unit| unit == STEP);
@@ -140,24 +185,24 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     let flow = Flow {
         seeds: arguments.seeds,
         wide_luts: arguments.wide_luts,
-        no_dsp: false,
+        no_dsp: arguments.no_dsp,
     };
-    let subjects: Vec<(Subject, Flow)> = match arguments.table {
-        Some(_) => table::subjects(flow)?,
-        None => arguments
-            .subjects()?
-            .into_iter()
-            .map(|one| (one, flow))
-            .collect(),
+    let tools = Tools::find();
+    let machine = arguments.machine(tools.is_ok())?;
+    let of_flow = |subjects: Vec<Subject>| subjects.into_iter().map(|one| (one, flow)).collect();
+    let subjects: Vec<(Subject, Flow)> = match (&arguments.table, &machine) {
+        (Some(_), _) => table::subjects(flow)?,
+        (None, Some(machine)) => of_flow(machine.subjects()),
+        (None, None) => of_flow(arguments.subjects()?),
     };
-    if subjects.is_empty() {
+    if subjects.is_empty() && arguments.scene.is_none() {
         bail!("--unit names nothing: nothing would be measured");
     }
     let folder = arguments.output.as_deref().map(OutputFolder::prepare);
     let folder = folder.transpose()?;
     let table_file = arguments.table.as_deref().map(OutputFile::prepare);
     let table_file = table_file.transpose()?;
-    let tools = Tools::find()?;
+    let tools = tools?;
 
     let steps = subjects.iter().map(|(_, flow)| flow.steps()).sum();
     let bar = progress::bar(steps, "steps");
@@ -179,7 +224,10 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
         ));
     }
     bar.finish_and_clear();
-    let report = Report::new(units, start.elapsed());
+    let mut report = Report::new(units, start.elapsed());
+    report.machine = machine
+        .as_ref()
+        .and_then(|machine| machine.figures(&report.units));
 
     if let Some(folder) = folder {
         folder.publish(|folder| report.write(folder))?;
@@ -194,5 +242,8 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
         report.text()
     };
     terminal::answer(|output| output.write_all(text.as_bytes()))?;
-    Ok(Outcome::Agreed)
+    Ok(match machine.is_none_or(|machine| machine.agrees()) {
+        true => Outcome::Agreed,
+        false => Outcome::Disagreed,
+    })
 }

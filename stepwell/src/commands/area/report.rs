@@ -10,6 +10,7 @@ use hdl_gen::area::{Figures, Flow, Versions};
 use hdl_gen::netlist::Module;
 use hdl_gen::operators::{AnyOperator, FixedOperator, Multiplier, Radix};
 
+use super::machine::MachineFigures;
 use super::subject::Subject;
 use crate::summary::json;
 
@@ -18,13 +19,16 @@ use crate::summary::json;
 pub struct Report {
     schema: &'static str,
     pub units: Vec<UnitFigures>,
+    /// Of a scene, what its machine reaches.
+    #[serde(flatten)]
+    pub machine: Option<MachineFigures>,
     seconds: f64,
 }
 
 /// A unit, how it was built, and what it takes.
 #[derive(Clone, Serialize)]
 pub struct UnitFigures {
-    pub unit: &'static str,
+    pub unit: String,
     pub module: String,
     /// Of a step, its traversal.
     pub method: Option<String>,
@@ -42,12 +46,16 @@ pub struct UnitFigures {
     /// Look-up tables taken, those of carry cells included.
     pub lut4: u64,
     pub lut4_taken: u64,
+    /// Of `lut4` the ones of distributed memory.
+    pub lut4_memory: u64,
     pub ff: u64,
     pub carry: u64,
     pub dsp: u64,
+    pub bram: u64,
     pub fmax_mhz: f64,
     pub fmax_mhz_of_seeds: Vec<f64>,
     pub wide_luts: bool,
+    pub no_dsp: bool,
     pub lut6: u64,
     pub xilinx_carry: u64,
     pub xilinx_dsp: u64,
@@ -55,17 +63,21 @@ pub struct UnitFigures {
     pub um2: f64,
     pub cells: u64,
     pub delay_ns: f64,
+    /// Memories of more than 64 words, which `kge` and `um2` do not count.
+    pub memories_apart: u64,
     /// Of the operator or step behind its handshakes, as `verify` gives it.
     pub netlist_digest: String,
     /// Of the operator or step itself, which was measured; `verify` gives it too.
     pub core_digest: String,
     pub tools: Versions,
+    #[serde(skip)]
+    is_of_machine: bool,
 }
 
 /// How a unit is built, as far as there are the same words for all kinds.
 #[derive(Default)]
 struct Build {
-    unit: &'static str,
+    unit: String,
     module: String,
     method: Option<String>,
     crossing: Option<String>,
@@ -87,11 +99,16 @@ impl Build {
                 ..Build::of_operator(chosen.configuration)
             },
             Subject::Step(step) => Build {
-                unit: "traverse_step",
+                unit: "traverse_step".to_owned(),
                 method: Some(step.walk.method.to_string()),
                 crossing: Some(step.walk.crossing.to_string()),
                 map: Some(step.map.clone()),
                 format: step.walk.format.to_string(),
+                ..Build::default()
+            },
+            Subject::Unit(unit) => Build {
+                unit: unit.name.clone(),
+                format: unit.format.clone(),
                 ..Build::default()
             },
         };
@@ -105,7 +122,7 @@ impl Build {
     fn of_operator(operator: AnyOperator) -> Build {
         match operator {
             AnyOperator::Float(configuration) => Build {
-                unit: configuration.operator.name(),
+                unit: configuration.operator.name().to_owned(),
                 format: configuration.format.to_string(),
                 rounding: configuration
                     .operator
@@ -135,7 +152,7 @@ impl Build {
                 };
                 let has_rounding = configuration.operator.rounds();
                 Build {
-                    unit: configuration.operator.name(),
+                    unit: configuration.operator.name().to_owned(),
                     format,
                     rounding: has_rounding.then(|| configuration.rounding.name()),
                     policy,
@@ -177,12 +194,15 @@ impl UnitFigures {
             latency: build.latency,
             lut4: ecp5.lut4,
             lut4_taken: ecp5.lut4_taken,
+            lut4_memory: ecp5.lut4_memory,
             ff: ecp5.ff,
             carry: ecp5.carry,
             dsp: ecp5.dsp,
+            bram: ecp5.bram,
             fmax_mhz: ecp5.fmax_mhz,
             fmax_mhz_of_seeds: ecp5.fmax_mhz_of_seeds,
             wide_luts: flow.wide_luts,
+            no_dsp: flow.no_dsp,
             lut6: xilinx.lut6,
             xilinx_carry: xilinx.carry,
             xilinx_dsp: xilinx.dsp,
@@ -190,22 +210,31 @@ impl UnitFigures {
             um2: gates.um2,
             cells: gates.cells,
             delay_ns: gates.delay_ns,
+            memories_apart: gates.memories_apart,
             netlist_digest,
             core_digest,
             tools: tools.clone(),
+            is_of_machine: matches!(subject, Subject::Unit(_)),
         }
     }
 
     /// The columns of the table and of the CSV file: a title, what is short for people, and the
     /// value.
-    fn columns(&self) -> [(&'static str, &'static str, String); 28] {
+    fn columns(&self) -> [(&'static str, &'static str, String); 32] {
         let of_step = |text: &Option<String>| text.clone().unwrap_or_default();
         // Operators alone have no use for the column.
         let method_title = if self.method.is_some() { "method" } else { "" };
+        let is_machine = self.is_of_machine;
+        let (unit_title, module_title) = if is_machine {
+            ("unit", "")
+        } else {
+            ("", "unit")
+        };
+        let of_machine = |title: &'static str| if is_machine { title } else { "" };
         let seeds: Vec<String> = self.fmax_mhz_of_seeds.iter().map(f64::to_string).collect();
         [
-            ("unit", "", self.unit.to_owned()),
-            ("module", "unit", self.module.clone()),
+            ("unit", unit_title, self.unit.clone()),
+            ("module", module_title, self.module.clone()),
             ("method", method_title, of_step(&self.method)),
             ("crossing", "", of_step(&self.crossing)),
             ("map", "", of_step(&self.map)),
@@ -216,12 +245,19 @@ impl UnitFigures {
             ("latency", "cycles", self.latency.to_string()),
             ("lut4", "LUT4", self.lut4.to_string()),
             ("lut4_taken", "taken", self.lut4_taken.to_string()),
+            (
+                "lut4_memory",
+                of_machine("memory"),
+                self.lut4_memory.to_string(),
+            ),
             ("ff", "FF", self.ff.to_string()),
             ("carry", "carry", self.carry.to_string()),
             ("dsp", "DSP", self.dsp.to_string()),
+            ("bram", of_machine("BRAM"), self.bram.to_string()),
             ("fmax_mhz", "MHz", self.fmax_mhz.to_string()),
             ("fmax_mhz_of_seeds", "", seeds.join(" ")),
             ("wide_luts", "", self.wide_luts.to_string()),
+            ("no_dsp", "", self.no_dsp.to_string()),
             ("lut6", "LUT6", self.lut6.to_string()),
             ("xilinx_dsp", "", self.xilinx_dsp.to_string()),
             ("kge", "kGE", self.kge.to_string()),
@@ -229,8 +265,13 @@ impl UnitFigures {
             ("delay_ns", "ns", self.delay_ns.to_string()),
             ("netlist_digest", "netlist", self.netlist_digest.clone()),
             (
+                "memories_apart",
+                of_machine("apart"),
+                self.memories_apart.to_string(),
+            ),
+            (
                 "core_digest",
-                "without handshakes",
+                if is_machine { "" } else { "without handshakes" },
                 self.core_digest.clone(),
             ),
             ("yosys", "", self.tools.yosys.clone()),
@@ -245,6 +286,7 @@ impl Report {
         Report {
             schema: "stepwell-area-1",
             units,
+            machine: None,
             seconds: time.as_secs_f64(),
         }
     }
@@ -294,6 +336,9 @@ impl Report {
             rows.push(values);
         }
         let mut text = aligned(&rows);
+        if let Some(machine) = &self.machine {
+            text += &machine.text();
+        }
         if let Some(unit) = self.units.first() {
             let tools = &unit.tools;
             let (yosys, nextpnr, cells) = (&tools.yosys, &tools.nextpnr, &tools.cells);

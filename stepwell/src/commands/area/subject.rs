@@ -1,4 +1,4 @@
-//! What is measured: an operator, or a step of the traverse unit.
+//! What is measured: an operator, a step of the traverse unit, or a unit of a machine.
 
 use std::sync::Arc;
 
@@ -20,6 +20,8 @@ pub enum Subject {
     Operator(ChosenOperator),
     /// A step of the traverse unit.
     Step(Box<StepSubject>),
+    /// A unit of a machine, or all of it.
+    Unit(MachineUnit),
 }
 
 /// A step that is measured.
@@ -30,6 +32,17 @@ pub struct StepSubject {
     pub walk: Walk,
     /// The map it is built for.
     pub map: String,
+}
+
+/// A unit of a machine.
+#[derive(Clone, Debug)]
+pub struct MachineUnit {
+    /// Its instance's path below the machine, or `machine` for all of it.
+    pub name: String,
+    /// Its module, as it is verified.
+    pub module: Arc<Module>,
+    /// The format of the machine's numbers.
+    pub format: String,
 }
 
 impl Subject {
@@ -66,6 +79,7 @@ impl Subject {
         match self {
             Subject::Operator(chosen) => chosen.configuration.build(chosen.latency),
             Subject::Step(step) => build_step(&step.configuration).module,
+            Subject::Unit(unit) => unit.module.clone(),
         }
     }
 
@@ -74,6 +88,7 @@ impl Subject {
         match self {
             Subject::Operator(_) => stream_unit(core),
             Subject::Step(step) => build_step_unit(&step.configuration),
+            Subject::Unit(unit) => unit.module.clone(),
         }
     }
 }

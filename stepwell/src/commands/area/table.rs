@@ -359,6 +359,7 @@ mod tests {
                 um2: 24000.0,
                 kge: 1.0,
                 delay_ns: 5.5,
+                memories_apart: 0,
             },
         }
     }
