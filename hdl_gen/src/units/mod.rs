@@ -3,6 +3,9 @@
 
 mod bounded_datapaths;
 mod configuration;
+mod exact_machine;
+mod exact_probes;
+mod exact_trip;
 mod paper_datapaths;
 mod paper_loop;
 mod paper_machine;
@@ -15,6 +18,9 @@ mod traverse_step_unit;
 
 pub use bounded_datapaths::{build_bounded, record_bounded};
 pub use configuration::{NoHardware, UnitConfiguration};
+pub use exact_machine::{EXACT_MACHINE, ExactUnit};
+pub use exact_probes::ExactLayout;
+pub use exact_trip::{EXACT_TRIP, build_exact_trip};
 pub use paper_datapaths::{
     BuiltPaperSetup, PAPER_SETUP, PAPER_STEP, build_paper_setup, build_paper_step,
     record_paper_step,

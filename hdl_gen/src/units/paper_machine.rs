@@ -38,25 +38,25 @@ impl PaperUnit {
 
 /// Wires by the names of the ports they are for, or come from.
 #[derive(Default)]
-struct Ports(HashMap<String, Wire>);
+pub(super) struct Ports(HashMap<String, Wire>);
 
 impl Ports {
-    fn put(&mut self, name: impl Into<String>, wire: Wire) {
+    pub(super) fn put(&mut self, name: impl Into<String>, wire: Wire) {
         self.0.insert(name.into(), wire);
     }
 
-    fn get(&self, name: &str) -> Wire {
+    pub(super) fn get(&self, name: &str) -> Wire {
         let wire = self.0.get(name).copied();
         wire.unwrap_or_else(|| panic!("no port {name}"))
     }
 
-    fn outputs(module: &Module, wires: Vec<Wire>) -> Ports {
+    pub(super) fn outputs(module: &Module, wires: Vec<Wire>) -> Ports {
         let names = module.outputs.iter().map(|(name, _)| name.clone());
         Ports(names.zip(wires).collect())
     }
 
     /// The wires for a module's inputs, in its order.
-    fn inputs(&self, module: &Module) -> Vec<Wire> {
+    pub(super) fn inputs(&self, module: &Module) -> Vec<Wire> {
         let inputs = module.inputs.iter();
         let names = inputs.map(|&port| module.node(port).name.as_deref().expect("a port's name"));
         names.map(|name| self.get(name)).collect()
@@ -64,14 +64,14 @@ impl Ports {
 }
 
 /// A block that stands ahead of what leads back to it.
-struct Block {
+pub(super) struct Block {
     module: Arc<Module>,
     instance: InstanceAhead,
-    outputs: Ports,
+    pub(super) outputs: Ports,
 }
 
 impl Block {
-    fn new(b: &mut Builder, name: &str, module: Arc<Module>) -> Block {
+    pub(super) fn new(b: &mut Builder, name: &str, module: Arc<Module>) -> Block {
         let (instance, outputs) = b.instance_ahead(name, &module);
         Block {
             outputs: Ports::outputs(&module, outputs),
@@ -80,7 +80,7 @@ impl Block {
         }
     }
 
-    fn connect(self, b: &mut Builder, inputs: &Ports) {
+    pub(super) fn connect(self, b: &mut Builder, inputs: &Ports) {
         b.connect_instance(self.instance, &inputs.inputs(&self.module));
     }
 }

@@ -3,6 +3,7 @@
 mod clocked;
 mod divergence;
 mod embedded;
+mod exact;
 mod golden;
 mod icarus;
 mod operands;
@@ -20,6 +21,7 @@ mod waveform;
 pub use clocked::{ClockedRun, ClockedTraffic};
 pub use divergence::{Comparison, Divergence};
 pub use embedded::run_embedded;
+pub use exact::ExactDesign;
 pub use golden::{GoldenRun, History};
 pub use icarus::{Icarus, IcarusError};
 pub use operands::OperandSets;

@@ -10,6 +10,11 @@
 
 mod axi_memory;
 mod declaration;
+mod exact;
+mod exact_run;
+mod exact_shape;
+mod exact_state;
+mod exact_trip;
 mod fifo;
 mod height_cache;
 mod ledger;
@@ -24,6 +29,10 @@ mod stream;
 
 pub use axi_memory::{AxiMemory, AxiMemoryOutputs, AxiMemoryShape};
 pub use declaration::{ClockedUnit, Declared, DeclaredKind, bits_for};
+pub use exact::{ExactCounts, ExactHit, ExactInputs, ExactMachine, ExactOutputs};
+pub use exact_run::{ExactRun, ExactSummary};
+pub use exact_shape::{EXACT_COUNTER_BITS, ExactEffort, ExactMachineShape, KEPT_NAMES};
+pub use exact_trip::{ExactTrip, exact_trip};
 pub use fifo::{Fifo, FifoField, FifoOutputs, FifoShape};
 pub use height_cache::{
     CacheAnswer, HeightCache, HeightCacheInputs, HeightCacheOutputs, HeightCacheShape, LINE_HEIGHTS,

@@ -1,0 +1,767 @@
+//! The exact machine, cycle by cycle: the walk by bounds as a traverse unit.
+//!
+//! ```text
+//! ray -> setups -> loop of trips -> FIFO -> leaf check -> hit
+//!                   |    ^   ^                  |
+//!                   |    |   +---- refused -----+
+//!              height cache -> read port -> memory
+//! ```
+//!
+//! Every ray inside has a slot, from its entry into the loop until its hit is taken; its constants
+//! and the bounds of its blocks stand in memories by slot. The FIFO has a place for every slot, so
+//! what ends its trips always finds one; whatever waits behind the loop, nothing in it ever stops.
+//! A walk that is refused goes back into the loop before any new ray does, as soon as there is a
+//! gap. So every walk in the loop gets on, and no wait is a circle: hits wait for their receiver,
+//! the leaf check for hits, the FIFO for the leaf check, new rays for slots.
+
+use super::declaration::ClockedUnit;
+use super::exact_shape::{EXACT_COUNTER_BITS, ExactMachineShape};
+use super::exact_state::{
+    Checking, LeafWalk, LoopWalk, SetUp, SlotRay, Trip, fixed_ray, no_division, no_place,
+};
+use super::exact_trip::exact_trip;
+use super::fifo::Fifo;
+use super::height_cache::{HeightCache, HeightCacheInputs};
+use super::read_port::{AxiAddress, AxiBeat, ReadPort, ReadPortInputs, ReadPortOutputs};
+use crate::ray_format::QuantisedRay;
+use crate::readings::{E7F16, F64Reading, FloatReading, Traced};
+use crate::units::bounded_leaf::{
+    LeafTravel, corner_digit, corner_start, leaf_place, leaf_verdict, leaf_ways, travel_digit,
+};
+use crate::units::bounded_setup::{setup_digit, setup_end, setup_entry};
+use crate::units::bounded_shape::LINE_BITS;
+
+/// What the unit's input ports carry in a cycle.
+#[derive(Clone, Copy, Debug)]
+pub struct ExactInputs {
+    /// A ray is offered.
+    pub ray_valid: bool,
+    /// Its id.
+    pub ray_id: u32,
+    /// The ray.
+    pub ray: QuantisedRay,
+    /// A hit would be taken.
+    pub hit_ready: bool,
+    /// The memory takes an address.
+    pub arready: bool,
+    /// What the memory answers.
+    pub r: AxiBeat,
+}
+
+/// What the unit's handshakes carry in a cycle, and what its control does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ExactOutputs {
+    /// A ray offered in this cycle is taken.
+    pub ray_ready: bool,
+    /// A hit is offered.
+    pub hit_valid: bool,
+    /// The walk in the last stage goes round again.
+    pub recirculates: bool,
+    /// The walk in the last stage goes to the leaf check.
+    pub ends: bool,
+    /// A walk refused by the leaf check goes back into the loop.
+    pub returns: bool,
+    /// A ray enters the loop.
+    pub admits: bool,
+    /// The address channel of the memory.
+    pub ar: AxiAddress,
+    /// A beat of the memory would be taken.
+    pub rready: bool,
+    /// The memory has answered wrongly.
+    pub error: bool,
+}
+
+/// A hit that the unit offers: what its ports carry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ExactHit {
+    /// The ray's id.
+    pub id: u32,
+    /// The texel.
+    pub i: u32,
+    /// The texel on v.
+    pub j: u32,
+    /// It is the texel's side across u that is hit.
+    pub at_border_u: bool,
+    /// It is that across v.
+    pub at_border_v: bool,
+    /// From that side's border to the ray's entry, in units of an entry: negative.
+    pub way: i64,
+    /// The ray's slope on that axis.
+    pub slope: i64,
+    /// The depth of the texel, in height steps: that of a hit on its top.
+    pub depth: i64,
+    /// Steps: lines read.
+    pub steps: u32,
+    /// Blocks of the start line crossed.
+    pub crossings: u32,
+    /// The walk ended at the step bound.
+    pub guard: bool,
+}
+
+/// What has been counted since reset. In a cycle a trip begins, or there is a gap.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ExactCounts {
+    /// Trips begun.
+    pub trips: u64,
+    /// Cycles in which none began.
+    pub gaps: u64,
+    /// Walks refused by the leaf check.
+    pub refusals: u64,
+    /// Lookups that found their line.
+    pub hits: u64,
+    /// Lookups that did not.
+    pub misses: u64,
+    /// Lines fetched.
+    pub lines_fetched: u64,
+}
+
+/// The exact machine.
+#[derive(Clone, Debug)]
+pub struct ExactMachine {
+    shape: ExactMachineShape,
+    setups: Vec<SetUp>,
+    free_slots: u64,
+    rays: Vec<SlotRay>,
+    /// By slot and line number.
+    t_near: Vec<(i64, i64)>,
+    line_words: usize,
+    /// Stages 0 to the last, as a ring; `first` is stage 0.
+    trips: Vec<Trip>,
+    first: usize,
+    lookup_valid: bool,
+    lookup_address: i64,
+    cache: HeightCache,
+    port: ReadPort,
+    leaf_fifo: Fifo,
+    waiting_valid: bool,
+    waiting: (LeafWalk, SlotRay),
+    check_valid: bool,
+    check: Checking,
+    answer_valid: bool,
+    answer: Checking,
+    counts: ExactCounts,
+    cycle: u64,
+}
+
+impl ExactMachine {
+    /// The machine after a reset in which every stage has filled with zeros, its memories full of
+    /// zeros.
+    pub fn new(shape: ExactMachineShape) -> ExactMachine {
+        let slots = shape.effort.slots as usize;
+        let line_words = shape.bounded.line_levels().next_power_of_two().max(2);
+        let mut machine = ExactMachine {
+            setups: vec![SetUp::default(); shape.effort.setups as usize],
+            free_slots: u64::MAX >> (64 - shape.effort.slots),
+            rays: vec![SlotRay::default(); slots],
+            t_near: vec![(0, 0); slots * line_words],
+            line_words,
+            trips: vec![Trip::default(); shape.effort.stages as usize],
+            first: 0,
+            lookup_valid: false,
+            lookup_address: 0,
+            cache: HeightCache::new(shape.cache.clone()),
+            port: ReadPort::new(shape.port.clone()),
+            leaf_fifo: Fifo::new(shape.leaf_fifo.clone()),
+            waiting_valid: false,
+            waiting: Default::default(),
+            check_valid: false,
+            check: Checking::default(),
+            answer_valid: false,
+            answer: Checking::default(),
+            counts: ExactCounts::default(),
+            cycle: 0,
+            shape,
+        };
+        machine.trips[0] = machine.begin(false, 0, false, LoopWalk::default(), (0, 0));
+        let mut answered = machine.trips[0];
+        answered.place = 0;
+        machine.answer(&mut answered);
+        machine.trips[1..].fill(answered);
+        machine
+    }
+
+    /// What it is built as.
+    pub fn shape(&self) -> &ExactMachineShape {
+        &self.shape
+    }
+
+    /// Cycles since reset.
+    pub fn cycle(&self) -> u64 {
+        self.cycle
+    }
+
+    /// What has been counted so far.
+    pub fn counts(&self) -> ExactCounts {
+        ExactCounts {
+            hits: self.cache.hits(),
+            misses: self.cache.misses(),
+            lines_fetched: self.cache.fetches(),
+            ..self.counts
+        }
+    }
+
+    fn stage(&self, stage: usize) -> &Trip {
+        &self.trips[(self.first + stage) % self.trips.len()]
+    }
+
+    fn last_stage(&self) -> &Trip {
+        self.stage(self.trips.len() - 1)
+    }
+
+    fn port_inputs(&self, inputs: &ExactInputs) -> ReadPortInputs {
+        let cache = self.cache.outputs();
+        ReadPortInputs {
+            request_valid: cache.fetch_valid,
+            request_line: cache.fetch_line,
+            beat_ready: true,
+            arready: inputs.arready,
+            r: inputs.r,
+        }
+    }
+
+    fn port_outputs(&self, inputs: &ExactInputs) -> ReadPortOutputs {
+        self.port.outputs(&self.port_inputs(inputs))
+    }
+
+    /// A ray is set up, and not yet in the loop.
+    fn is_set_up(&self) -> bool {
+        let last = &self.setups[self.setups.len() - 1];
+        last.busy && last.turns == 0 && !self.stage(0).fresh
+    }
+
+    /// May this setup be loaded at the end of this cycle?
+    fn is_free(&self, setup: usize) -> bool {
+        let this = &self.setups[setup];
+        if setup + 1 == self.setups.len() {
+            // It holds its bounds until the first trip has read them.
+            return !this.busy || self.stage(0).fresh;
+        }
+        !this.busy || (this.turns == 0 && self.is_free(setup + 1))
+    }
+
+    /// What the handshakes carry in this cycle.
+    pub fn outputs(&self, inputs: &ExactInputs) -> ExactOutputs {
+        let last = self.last_stage();
+        let recirculates = last.valid && !last.ends;
+        let refused = self.answer_valid && self.answer.refused;
+        let port = self.port_outputs(inputs);
+        let has_slot = self.free_slots != 0 && self.cache.outputs().lookup_ready;
+        ExactOutputs {
+            ray_ready: self.is_free(0),
+            hit_valid: self.answer_valid && !self.answer.refused,
+            recirculates,
+            ends: last.valid && last.ends,
+            returns: refused && !recirculates,
+            admits: self.is_set_up() && has_slot && !recirculates && !refused,
+            ar: port.ar,
+            rready: port.rready,
+            error: port.error,
+        }
+    }
+
+    /// What the ports of a hit carry, be one offered or not.
+    pub fn hit(&self) -> ExactHit {
+        let (answer, ray) = (&self.answer, &self.answer.ray);
+        let texel = |mirror: bool, index: i64| {
+            let index = if mirror { !index } else { index };
+            (index & (i64::from(self.shape.bounded.words.size()) - 1)) as u32
+        };
+        ExactHit {
+            id: ray.id,
+            i: texel(ray.mirror_u, answer.walk.i),
+            j: texel(ray.mirror_v, answer.walk.j),
+            at_border_u: answer.at_border_u,
+            at_border_v: answer.at_border_v,
+            way: answer.way,
+            slope: answer.slope,
+            depth: answer.walk.depth,
+            steps: answer.walk.steps as u32,
+            crossings: answer.walk.crossings as u32,
+            guard: answer.walk.guard,
+        }
+    }
+
+    /// The rising edge at the end of this cycle.
+    pub fn clock(&mut self, inputs: &ExactInputs) {
+        let outputs = self.outputs(inputs);
+        let port_inputs = self.port_inputs(inputs);
+        let port = self.port.outputs(&port_inputs);
+        let begins = outputs.recirculates || outputs.returns || outputs.admits;
+        self.counts.trips += u64::from(begins);
+        self.counts.gaps += u64::from(!begins);
+
+        let last = *self.last_stage();
+        let (lookup_valid, lookup_address) = (self.stage(0).valid, self.stage(0).address);
+        if last.valid && last.writes {
+            let place = self.bound_place(last.slot, last.walk.line);
+            self.t_near[place] = last.near;
+        }
+
+        // What enters the first stage.
+        let before = self.stage(0);
+        let (mut slot, mut walk) = (before.slot, before.walk);
+        let mut bounds = (0, 0);
+        if outputs.recirculates {
+            (slot, walk) = (last.slot, last.after);
+        } else if outputs.returns {
+            (slot, walk) = (self.answer.walk.slot, self.answer.walk.resumed());
+        } else if outputs.admits {
+            slot = u64::from(self.free_slots.trailing_zeros());
+            self.free_slots &= !(1 << slot);
+            (walk, bounds) = self.admit(slot);
+        }
+        let taken = outputs.hit_valid && inputs.hit_ready;
+        if taken {
+            self.free_slots |= 1 << self.answer.walk.slot;
+        }
+        self.clock_setups(inputs);
+        self.clock_leaf(&outputs, taken, &last);
+
+        self.cache.clock(&HeightCacheInputs {
+            lookup_valid: self.lookup_valid,
+            lookup_address: self.lookup_address as u64 >> self.shape.offset_bits(),
+            fetch_ready: port.request_ready,
+            beat_valid: port.beat_valid,
+            beat_data: port.beat_data,
+        });
+        self.port.clock(&port_inputs);
+        (self.lookup_valid, self.lookup_address) = (lookup_valid, lookup_address);
+
+        self.first = (self.first + self.trips.len() - 1) % self.trips.len();
+        let entering = self.begin(begins, slot, outputs.admits, walk, bounds);
+        self.trips[self.first] = entering;
+        let stage = self.shape.height_stage() as usize;
+        let answered = (self.first + stage) % self.trips.len();
+        let mut trip = self.trips[answered];
+        self.answer(&mut trip);
+        self.trips[answered] = trip;
+        self.cycle += 1;
+    }
+
+    fn bound_place(&self, slot: u64, line: i64) -> usize {
+        slot as usize * self.line_words + (line as usize & (self.line_words - 1))
+    }
+
+    /// A ray that is set up goes into a slot; answers its walk, and the bounds of its first block.
+    fn admit(&mut self, slot: u64) -> (LoopWalk, (i64, i64)) {
+        let shape = self.shape.bounded;
+        let a = &mut F64Reading;
+        let set_up = &self.setups[self.setups.len() - 1];
+        let ray = set_up.ray;
+        let (mut u, mut v) = (set_up.u, set_up.v);
+        for _ in 0..self.shape.setup_rest() {
+            u = setup_digit(a, shape, ray.slope_u, &u);
+            v = setup_digit(a, shape, ray.slope_v, &v);
+        }
+        self.rays[slot as usize] = SlotRay {
+            t_delta_u: u.t_delta,
+            t_delta_v: v.t_delta,
+            ..ray
+        };
+        let walk = LoopWalk {
+            line: ray.start_line,
+            i: ray.i,
+            j: ray.j,
+            from_own_line: true,
+            ..LoopWalk::default()
+        };
+        let bounds = (setup_end(a, shape, u.t_near), setup_end(a, shape, v.t_near));
+        (walk, bounds)
+    }
+
+    fn clock_setups(&mut self, inputs: &ExactInputs) {
+        let shape = self.shape.bounded;
+        let a = &mut F64Reading;
+        let free: u64 = (0..self.setups.len())
+            .map(|number| u64::from(self.is_free(number)) << number)
+            .sum();
+        for number in (0..self.setups.len()).rev() {
+            let is_free = free >> number & 1 == 1;
+            let loads = is_free
+                && match number {
+                    0 => inputs.ray_valid,
+                    _ => self.setups[number - 1].busy && self.setups[number - 1].turns == 0,
+                };
+            if loads {
+                let mut loaded = match number {
+                    0 => {
+                        let ray = inputs.ray;
+                        let ports = [ray.u, ray.v, ray.du, ray.dv];
+                        SetUp::of(inputs.ray_id, &setup_entry(a, shape, ports))
+                    }
+                    _ => self.setups[number - 1],
+                };
+                (loaded.busy, loaded.turns) = (true, self.shape.setup_turns(number as u32));
+                self.setups[number] = loaded;
+                continue;
+            }
+            let this = &mut self.setups[number];
+            if is_free {
+                this.busy = false;
+            }
+            if this.turns > 0 {
+                this.turns -= 1;
+                for _ in 0..self.shape.effort.setup_digits {
+                    this.u = setup_digit(a, shape, this.ray.slope_u, &this.u);
+                    this.v = setup_digit(a, shape, this.ray.slope_v, &this.v);
+                }
+            }
+        }
+    }
+
+    fn clock_leaf(&mut self, outputs: &ExactOutputs, taken: bool, last: &Trip) {
+        let shape = self.shape.bounded;
+        let a = &mut F64Reading;
+        let verdict = self.verdict();
+        let answers = self.check_valid && verdict.is_final && !self.answer_valid;
+        let checks = self.waiting_valid && !self.check_valid;
+        let waits = self.leaf_fifo.outputs().out_valid && !self.waiting_valid;
+        self.counts.refusals += u64::from(outputs.returns);
+
+        if outputs.returns || taken {
+            self.answer_valid = false;
+        }
+        if answers {
+            (self.answer_valid, self.check_valid) = (true, false);
+            self.answer = self.check;
+            self.answer.refused = verdict.refused && !self.check.walk.guard;
+            self.answer.at_border_u = verdict.at_border_u;
+            self.answer.at_border_v = verdict.at_border_v;
+            let ray = &self.check.ray;
+            (self.answer.way, self.answer.slope) = match verdict.at_border_v {
+                true => (self.check.ways.1, ray.slope_v),
+                false => (self.check.ways.0, ray.slope_u),
+            };
+        }
+        let turns = self.check.turns;
+        let ray = fixed_ray(&self.check.ray);
+        // `check_valid` of this cycle: an answer that leaves changes nothing that is read again,
+        // but its registers still turn.
+        if self.check_valid || answers {
+            if turns < self.shape.travel_turns() {
+                for _ in 0..self.shape.effort.travel_digits {
+                    self.check.travel = travel_digit(a, shape, &ray, &self.check.travel);
+                }
+            }
+            if turns < self.shape.corner_turns() {
+                for _ in 0..self.shape.effort.corner_digits {
+                    self.check.corner = corner_digit(a, shape, &ray, &self.check.corner);
+                }
+            }
+            let most = self.shape.travel_turns().max(self.shape.corner_turns());
+            self.check.turns += u32::from(turns < most);
+        }
+        if checks {
+            let (walk, slot_ray) = self.waiting;
+            let ray = fixed_ray(&slot_ray);
+            let ways = leaf_ways(a, shape, &ray, walk.i, walk.j);
+            self.check_valid = true;
+            self.waiting_valid = false;
+            self.check = Checking {
+                walk,
+                ray: slot_ray,
+                ways,
+                travel: LeafTravel {
+                    u: ways.0,
+                    v: ways.1,
+                    depth: walk.depth,
+                },
+                corner: corner_start(a, shape, &ray, ways),
+                ..self.check
+            };
+            self.check.turns = 0;
+        }
+        if waits {
+            let walk = LeafWalk::of_fields(&self.shape, self.leaf_fifo.outputs().out);
+            self.waiting = (walk, self.rays[walk.slot as usize]);
+            self.waiting_valid = true;
+        }
+        let (fields, count) = last.leaf_fields(&self.shape);
+        let put = outputs.ends.then_some(&fields[..count]);
+        self.leaf_fifo.clock(put, waits);
+    }
+
+    fn verdict(&self) -> Verdict {
+        let shape = self.shape.bounded;
+        let a = &mut F64Reading;
+        let check = &self.check;
+        let ray = fixed_ray(&check.ray);
+        let mut corner = check.corner;
+        for _ in 0..self.shape.corner_rest() {
+            corner = corner_digit(a, shape, &ray, &corner);
+        }
+        let place = leaf_place(a, shape, check.ways, &check.travel);
+        let verdict = leaf_verdict(a, shape, &ray, check.ways, &place, corner.error);
+        let needs_corner = place.is_before_u || place.is_before_v;
+        let has_corner = check.turns >= self.shape.corner_turns();
+        Verdict {
+            is_final: check.turns >= self.shape.travel_turns() && (has_corner || !needs_corner),
+            refused: verdict.refused,
+            at_border_u: verdict.at_border_u,
+            at_border_v: verdict.at_border_v,
+        }
+    }
+
+    /// A trip in the first stage.
+    fn begin(
+        &self,
+        valid: bool,
+        slot: u64,
+        fresh: bool,
+        walk: LoopWalk,
+        bounds: (i64, i64),
+    ) -> Trip {
+        let ray = self.rays[slot as usize];
+        let base = match fresh {
+            true => bounds,
+            false => {
+                let above = walk.line + i64::from(!walk.from_own_line);
+                let line = above << (64 - LINE_BITS) >> (64 - LINE_BITS);
+                self.t_near[self.bound_place(slot, line)]
+            }
+        };
+        let mirrors = (ray.mirror_u, ray.mirror_v);
+        let bounded = walk.bounded::<F64Reading>();
+        let shape = self.shape.bounded;
+        let address =
+            crate::units::bounded_step::bounded_address(&mut F64Reading, shape, mirrors, &bounded);
+        Trip {
+            valid,
+            slot,
+            fresh,
+            walk,
+            ray,
+            base,
+            address,
+            place: address & ((1 << self.shape.offset_bits()) - 1),
+            ..Trip::default()
+        }
+    }
+
+    /// The cache answers a trip.
+    fn answer(&self, trip: &mut Trip) {
+        let cache = self.cache.outputs();
+        let bits = self.shape.bounded.words.height_bits;
+        let cells = self.shape.bounded.lines().cells();
+        let in_word = (64 / bits) as usize;
+        for cell in 0..cells {
+            let height = trip.place as usize * cells + cell;
+            let word = cache.heights[height / in_word];
+            let shifted = word >> ((height % in_word) as u32 * bits);
+            trip.heights[cell] = (shifted & ((1 << bits) - 1)) as i64;
+        }
+        trip.missed = cache.answer_valid && !cache.hit;
+        let result = exact_trip(
+            &mut F64Reading,
+            self.shape.bounded,
+            &trip.ray.bounded(),
+            &trip.walk.bounded(),
+            trip.base,
+            (trip.fresh, trip.missed),
+            &trip.heights[..cells],
+        );
+        trip.after = LoopWalk::of(&result.walk);
+        trip.depth = result.walk.depth;
+        trip.guard = result.walk.guard;
+        trip.near = result.t_near;
+        trip.writes = result.writes;
+        trip.ends = result.ends;
+    }
+
+    /// Appends the result of every operation of the trip in a stage, as the golden reading keeps them. Before
+    /// the cache has answered, those that depend on its heights are of no use.
+    pub fn trace(
+        &self,
+        stage: u32,
+        traced: &mut Traced<FloatReading<E7F16>>,
+        words: &mut Vec<u64>,
+    ) {
+        let trip = self.stage(stage as usize);
+        traced.words.clear();
+        exact_trip(
+            traced,
+            self.shape.bounded,
+            &trip.ray.bounded(),
+            &trip.walk.bounded(),
+            trip.base,
+            (trip.fresh, trip.missed),
+            &trip.heights[..self.shape.bounded.lines().cells()],
+        );
+        words.extend_from_slice(&traced.words);
+    }
+
+    /// Appends what stands in front of a stage: valid, slot, fresh, missed, the place in the cache's
+    /// line, then the inputs of the trip's datapath in their order.
+    pub fn observe_stage(&self, stage: u32, words: &mut Vec<u64>) {
+        let trip = self.stage(stage as usize);
+        words.extend([u64::from(trip.valid), trip.slot, trip.fresh.into()]);
+        words.extend([trip.missed.into(), trip.place as u64]);
+        let ray = &trip.ray;
+        words.extend([ray.t_delta_u as u64, ray.t_delta_v as u64]);
+        words.extend([u64::from(ray.mirror_u), ray.mirror_v.into()]);
+        words.push(ray.start_line as u64);
+        trip.walk.observe(self.shape.bounded.line_levels(), words);
+        words.extend([trip.base.0 as u64, trip.base.1 as u64]);
+        words.extend([u64::from(trip.fresh), trip.missed.into()]);
+        let cells = self.shape.bounded.lines().cells();
+        words.extend(trip.heights[..cells].iter().map(|&height| height as u64));
+    }
+
+    /// Appends the words of this cycle: the declared signals of the unit that are no inputs, then those of
+    /// the FIFO, the cache and the read port. Words of integers have the sign in front.
+    pub fn observe(&self, inputs: &ExactInputs, words: &mut Vec<u64>) {
+        let outputs = self.outputs(inputs);
+        let lines = self.shape.bounded.line_levels();
+        words.extend([u64::from(outputs.ray_ready), outputs.hit_valid.into()]);
+        let hit = self.hit();
+        words.extend([
+            u64::from(hit.id),
+            hit.i.into(),
+            hit.j.into(),
+            hit.at_border_u.into(),
+            hit.at_border_v.into(),
+            hit.way as u64,
+            hit.slope as u64,
+            hit.depth as u64,
+            hit.steps.into(),
+            hit.crossings.into(),
+            hit.guard.into(),
+        ]);
+        words.extend([
+            u64::from(outputs.ar.valid),
+            outputs.ar.address,
+            outputs.ar.length,
+            // 2^3 bytes a beat, addresses that increase.
+            3,
+            1,
+            outputs.ar.id,
+            outputs.rready.into(),
+            outputs.error.into(),
+        ]);
+        if self.shape.counters {
+            let counts = self.counts();
+            let counters = [
+                counts.trips,
+                counts.gaps,
+                counts.refusals,
+                counts.hits,
+                counts.misses,
+                counts.lines_fetched,
+            ];
+            words.extend(counters.map(|count| count & ((1 << EXACT_COUNTER_BITS) - 1)));
+        }
+        for set_up in &self.setups {
+            set_up.observe(words);
+        }
+        words.push(self.free_slots);
+        words.extend([u64::from(outputs.recirculates), outputs.ends.into()]);
+        words.extend([u64::from(outputs.returns), outputs.admits.into()]);
+        self.stage(0).walk.observe(lines, words);
+        words.extend([u64::from(self.lookup_valid), self.lookup_address as u64]);
+        words.push(self.waiting_valid.into());
+        self.waiting.0.observe(lines, words);
+        self.waiting.1.observe_leaf(words);
+        words.push(self.check_valid.into());
+        self.check.walk.observe(lines, words);
+        let ray = &self.check.ray;
+        words.extend([u64::from(ray.id), ray.slope_u as u64, ray.slope_v as u64]);
+        words.extend([u64::from(ray.mirror_u), ray.mirror_v.into()]);
+        words.push(self.answer_valid.into());
+        self.answer.walk.observe(lines, words);
+        let ray = &self.answer.ray;
+        words.extend([u64::from(ray.id), ray.mirror_u.into(), ray.mirror_v.into()]);
+        self.check.observe(words);
+        let answer = &self.answer;
+        words.extend([u64::from(answer.refused), answer.at_border_u.into()]);
+        words.extend([u64::from(answer.at_border_v), answer.way as u64]);
+        words.push(answer.slope as u64);
+
+        let (fields, count) = self.last_stage().leaf_fields(&self.shape);
+        let waits = self.leaf_fifo.outputs().out_valid && !self.waiting_valid;
+        let mut driven = [0; 20];
+        driven[0] = outputs.ends.into();
+        driven[1..=count].copy_from_slice(&fields[..count]);
+        driven[count + 1] = waits.into();
+        self.leaf_fifo.observe(&driven[..count + 2], words);
+        let cache = self.cache.outputs();
+        let port = self.port_outputs(inputs);
+        let driven = [
+            self.lookup_valid.into(),
+            self.lookup_address as u64 >> self.shape.offset_bits(),
+            port.request_ready.into(),
+            port.beat_valid.into(),
+            port.beat_data,
+        ];
+        self.cache.observe(&driven, words);
+        let driven = [
+            cache.fetch_valid.into(),
+            cache.fetch_line,
+            1,
+            inputs.arready.into(),
+            inputs.r.valid.into(),
+            inputs.r.id,
+            inputs.r.data,
+            inputs.r.response,
+            inputs.r.last.into(),
+        ];
+        self.port.observe(&driven, words);
+    }
+}
+
+struct Verdict {
+    is_final: bool,
+    refused: bool,
+    at_border_u: bool,
+    at_border_v: bool,
+}
+
+impl ExactInputs {
+    /// The words of the input ports, in their declared order; those of signed ones in 64 bits.
+    pub fn words(&self) -> [u64; 13] {
+        [
+            self.ray_valid.into(),
+            self.ray_id.into(),
+            self.ray.u as u64,
+            self.ray.v as u64,
+            self.ray.du as u64,
+            self.ray.dv as u64,
+            self.hit_ready.into(),
+            self.arready.into(),
+            self.r.valid.into(),
+            self.r.id,
+            self.r.data,
+            self.r.response,
+            self.r.last.into(),
+        ]
+    }
+}
+
+impl Default for Checking {
+    fn default() -> Self {
+        Checking {
+            walk: LeafWalk::default(),
+            ray: SlotRay::default(),
+            turns: 0,
+            ways: (0, 0),
+            travel: no_place().0,
+            corner: no_place().1,
+            refused: false,
+            at_border_u: false,
+            at_border_v: false,
+            way: 0,
+            slope: 0,
+        }
+    }
+}
+
+impl Default for SetUp {
+    fn default() -> Self {
+        SetUp {
+            busy: false,
+            turns: 0,
+            ray: SlotRay::default(),
+            u: no_division(),
+            v: no_division(),
+        }
+    }
+}

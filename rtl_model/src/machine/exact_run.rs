@@ -1,0 +1,169 @@
+//! The exact machine run on a list of rays, with a memory behind it.
+
+use std::ops::ControlFlow;
+
+use super::axi_memory::{AxiMemory, AxiMemoryShape};
+use super::exact::{ExactCounts, ExactHit, ExactInputs, ExactMachine, ExactOutputs};
+use super::exact_shape::ExactMachineShape;
+use super::stall::StallPattern;
+use crate::maps::Lines;
+use crate::ray_format::QuantisedRay;
+use crate::units::bounded_shape::BoundedShape;
+use crate::units::fixed_traverse::FixedHit;
+use crate::units::traverse::Status;
+
+/// With so many rays still to be offered the loop should be full.
+const WAITING: usize = 64;
+
+/// Cycles without a hit after which a run gives up: a memory that answers is never so slow.
+const PATIENCE: u64 = 1 << 20;
+
+/// What stands on the ports where no ray is offered.
+const NO_RAY: QuantisedRay = QuantisedRay {
+    u: 0,
+    v: 0,
+    du: 0,
+    dv: 0,
+    saturated: false,
+};
+
+/// Rays to be sent through the exact machine, and how.
+#[derive(Clone, Debug)]
+pub struct ExactRun<'a> {
+    /// What the machine is built as.
+    pub shape: ExactMachineShape,
+    /// The map's lines: what the memory holds.
+    pub lines: &'a Lines,
+    /// The rays; a ray's id is its place here.
+    pub rays: &'a [QuantisedRay],
+    /// When the sender has nothing to offer.
+    pub gaps: StallPattern,
+    /// When the receiver of hits is not ready.
+    pub stalls: StallPattern,
+    /// Before this cycle the receiver is never ready.
+    pub receiver_starts: u64,
+    /// The memory.
+    pub memory: AxiMemoryShape,
+}
+
+/// What a run came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ExactSummary {
+    /// Cycles from the first ray's entry into the loop to the last hit's leaving.
+    pub cycles: u64,
+    /// Hits that left.
+    pub hits: u64,
+    /// What the machine counted.
+    pub counts: ExactCounts,
+    /// Bytes that came from the memory.
+    pub bytes: u64,
+    /// Cycles in which 64 or more rays had still to be offered, from the first ray's entry on.
+    pub busy_cycles: u64,
+    /// Trips begun in them.
+    pub busy_trips: u64,
+}
+
+impl ExactSummary {
+    /// Trips begun in a cycle while rays wait: 1 where the loop is always full.
+    pub fn occupancy(&self) -> f64 {
+        self.busy_trips as f64 / self.busy_cycles as f64
+    }
+
+    /// Cycles of a ray, in the mean.
+    pub fn cycles_per_ray(&self) -> f64 {
+        self.cycles as f64 / self.hits as f64
+    }
+
+    /// Lookups that found their line, of all.
+    pub fn hit_rate(&self) -> f64 {
+        self.counts.hits as f64 / (self.counts.hits + self.counts.misses) as f64
+    }
+}
+
+impl ExactHit {
+    /// The hit as the golden walk answers it.
+    pub fn fixed_hit(&self, shape: BoundedShape) -> FixedHit {
+        let at_border = self.at_border_u || self.at_border_v;
+        FixedHit {
+            i: self.i,
+            j: self.j,
+            side: at_border || self.depth == 0,
+            depth_numerator: match at_border {
+                true => -self.way << shape.words.height_bits,
+                false => self.depth,
+            },
+            depth_denominator: if at_border { self.slope } else { 1 },
+            steps: self.steps,
+            crossings: self.crossings,
+            status: match self.guard {
+                true => Status::Guard,
+                false => Status::Hit,
+            },
+        }
+    }
+}
+
+impl ExactRun<'_> {
+    /// Runs the machine until every ray has left it, and calls `each` with every cycle. Ends early
+    /// where `each` breaks, and where no hit leaves any more: then fewer hits than rays have left.
+    pub fn run(
+        &self,
+        mut each: impl FnMut(&ExactMachine, &ExactInputs, &ExactOutputs) -> ControlFlow<()>,
+    ) -> ExactSummary {
+        let mut memory = AxiMemory::new(self.memory, self.shape.memory_words(self.lines));
+        let mut machine = ExactMachine::new(self.shape.clone());
+        let (mut gaps, mut stalls) = (self.gaps, self.stalls);
+        let (mut taken, mut offers) = (0, false);
+        let mut summary = ExactSummary::default();
+        let (mut first_entry, mut last_hit) = (None, 0);
+        // More cycles than the rays need: nothing may leave the machine that never entered.
+        let mut cycles_to_come = 64;
+        while cycles_to_come > 0 {
+            let all_left = summary.hits == self.rays.len() as u64;
+            cycles_to_come -= u64::from(all_left);
+            // An offer stands until it is taken.
+            offers = taken < self.rays.len() && (offers || gaps.next_ready());
+            let answer = memory.outputs();
+            let inputs = ExactInputs {
+                ray_valid: offers,
+                ray_id: if offers { taken as u32 } else { 0 },
+                ray: match offers {
+                    true => self.rays[taken],
+                    false => NO_RAY,
+                },
+                hit_ready: stalls.next_ready() && machine.cycle() >= self.receiver_starts,
+                arready: answer.arready,
+                r: answer.r,
+            };
+            let outputs = machine.outputs(&inputs);
+            if each(&machine, &inputs, &outputs).is_break() {
+                break;
+            }
+            if outputs.admits {
+                first_entry.get_or_insert(machine.cycle());
+            }
+            if first_entry.is_some() && self.rays.len() - taken >= WAITING {
+                summary.busy_cycles += 1;
+                let begins = outputs.admits || outputs.returns || outputs.recirculates;
+                summary.busy_trips += u64::from(begins);
+            }
+            if offers && outputs.ray_ready {
+                taken += 1;
+                offers = false;
+            }
+            if outputs.hit_valid && inputs.hit_ready {
+                summary.hits += 1;
+                last_hit = machine.cycle();
+            }
+            machine.clock(&inputs);
+            memory.clock(&outputs.ar, outputs.rready);
+            if !all_left && machine.cycle() - last_hit > PATIENCE {
+                break;
+            }
+        }
+        summary.cycles = first_entry.map_or(0, |first| (last_hit + 1).saturating_sub(first));
+        summary.counts = machine.counts();
+        summary.bytes = 8 * memory.beats();
+        summary
+    }
+}

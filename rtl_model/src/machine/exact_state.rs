@@ -1,0 +1,348 @@
+//! What stands in the registers of the exact machine.
+
+use super::exact_shape::ExactMachineShape;
+use crate::arith::Arith;
+use crate::readings::F64Reading;
+use crate::units::bounded_leaf::{LeafCorner, LeafTravel};
+use crate::units::bounded_setup::{BoundedEntry, BoundedRay, Division};
+use crate::units::bounded_shape::MOST_BOUNDED_LINES;
+use crate::units::bounded_step::BoundedWalk;
+use crate::units::fixed_setup::FixedRayRegisters;
+use crate::units::wide_shape::MOST_CELLS;
+
+/// A ray in a setup, or in its slot.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SlotRay {
+    pub id: u32,
+    pub mirrored_u: i64,
+    pub mirrored_v: i64,
+    pub slope_u: i64,
+    pub slope_v: i64,
+    pub mirror_u: bool,
+    pub mirror_v: bool,
+    pub start_line: i64,
+    pub i: i64,
+    pub j: i64,
+    pub t_delta_u: i64,
+    pub t_delta_v: i64,
+}
+
+/// What the leaf check reads of a ray.
+pub(super) fn fixed_ray<A: Arith<Int = i64, Bit = bool>>(ray: &SlotRay) -> FixedRayRegisters<A> {
+    FixedRayRegisters {
+        u: ray.mirrored_u,
+        v: ray.mirrored_v,
+        slope_u: ray.slope_u,
+        slope_v: ray.slope_v,
+        mirror_u: ray.mirror_u,
+        mirror_v: ray.mirror_v,
+    }
+}
+
+impl SlotRay {
+    pub fn bounded<A: Arith<Int = i64, Bit = bool>>(&self) -> BoundedRay<A> {
+        BoundedRay {
+            fixed: fixed_ray(self),
+            t_delta_u: self.t_delta_u,
+            t_delta_v: self.t_delta_v,
+            start_line: self.start_line,
+        }
+    }
+
+    pub fn observe_leaf(&self, words: &mut Vec<u64>) {
+        words.extend([u64::from(self.id), self.mirrored_u as u64]);
+        words.extend([self.mirrored_v, self.slope_u, self.slope_v].map(|word| word as u64));
+        words.extend([u64::from(self.mirror_u), self.mirror_v.into()]);
+    }
+}
+
+/// A walk in the loop.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LoopWalk {
+    pub line: i64,
+    pub i: i64,
+    pub j: i64,
+    pub from_own_line: bool,
+    pub column: i64,
+    pub row: i64,
+    pub kept: [i64; MOST_BOUNDED_LINES],
+    pub leaves_u: bool,
+    pub leaves_back: bool,
+    pub resumes: bool,
+    pub steps: i64,
+    pub crossings: i64,
+}
+
+impl LoopWalk {
+    pub fn bounded<A: Arith<Int = i64, Bit = bool>>(&self) -> BoundedWalk<A> {
+        BoundedWalk {
+            line: self.line,
+            i: self.i,
+            j: self.j,
+            from_own_line: self.from_own_line,
+            column: self.column,
+            row: self.row,
+            kept: self.kept,
+            leaves_u: self.leaves_u,
+            leaves_back: self.leaves_back,
+            resumes: self.resumes,
+            steps: self.steps,
+            crossings: self.crossings,
+            hit: false,
+            guard: false,
+            depth: 0,
+        }
+    }
+
+    pub fn of(walk: &BoundedWalk<F64Reading>) -> LoopWalk {
+        LoopWalk {
+            line: walk.line,
+            i: walk.i,
+            j: walk.j,
+            from_own_line: walk.from_own_line,
+            column: walk.column,
+            row: walk.row,
+            kept: walk.kept,
+            leaves_u: walk.leaves_u,
+            leaves_back: walk.leaves_back,
+            resumes: walk.resumes,
+            steps: walk.steps,
+            crossings: walk.crossings,
+        }
+    }
+
+    pub fn observe(&self, lines: usize, words: &mut Vec<u64>) {
+        words.extend([self.line, self.i, self.j].map(|word| word as u64));
+        words.push(self.from_own_line.into());
+        words.extend([self.column, self.row].map(|word| word as u64));
+        words.extend(self.kept[..lines].iter().map(|&mask| mask as u64));
+        words.extend([u64::from(self.leaves_u), self.leaves_back.into()]);
+        words.push(self.resumes.into());
+        words.extend([self.steps, self.crossings].map(|word| word as u64));
+    }
+}
+
+/// A trip, with what comes of it once the cache has answered.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Trip {
+    pub valid: bool,
+    pub slot: u64,
+    pub fresh: bool,
+    pub walk: LoopWalk,
+    pub ray: SlotRay,
+    pub base: (i64, i64),
+    pub address: i64,
+    /// Of the line that is read, in the cache's line.
+    pub place: i64,
+    pub missed: bool,
+    pub heights: [i64; MOST_CELLS],
+    pub after: LoopWalk,
+    pub depth: i64,
+    pub guard: bool,
+    pub near: (i64, i64),
+    pub writes: bool,
+    pub ends: bool,
+}
+
+impl Trip {
+    /// What the walk puts into the FIFO before the leaf check, and how many fields that is.
+    pub fn leaf_fields(&self, shape: &ExactMachineShape) -> ([u64; 16], usize) {
+        let mut fields = [0; 16];
+        let walk = &self.after;
+        let index = |texel: i64| texel as u64 & ((1 << shape.bounded.index_bits()) - 1);
+        let lines = shape.bounded.line_levels();
+        fields[..3].copy_from_slice(&[self.slot, index(walk.i), index(walk.j)]);
+        for (field, &mask) in fields[3..].iter_mut().zip(&walk.kept[..lines]) {
+            *field = mask as u64;
+        }
+        let rest = [
+            walk.leaves_u.into(),
+            walk.leaves_back.into(),
+            walk.steps as u64,
+            walk.crossings as u64,
+            self.depth as u64,
+            self.guard.into(),
+        ];
+        fields[3 + lines..9 + lines].copy_from_slice(&rest);
+        (fields, 9 + lines)
+    }
+}
+
+/// A walk at the leaf check.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LeafWalk {
+    pub slot: u64,
+    pub i: i64,
+    pub j: i64,
+    pub kept: [i64; MOST_BOUNDED_LINES],
+    pub leaves_u: bool,
+    pub leaves_back: bool,
+    pub steps: i64,
+    pub crossings: i64,
+    pub depth: i64,
+    pub guard: bool,
+}
+
+impl LeafWalk {
+    pub fn of_fields(shape: &ExactMachineShape, fields: &[u64]) -> LeafWalk {
+        let lines = shape.bounded.line_levels();
+        let above = 64 - shape.bounded.index_bits();
+        let index = |word: u64| (word << above) as i64 >> above;
+        let mut kept = [0; MOST_BOUNDED_LINES];
+        for (mask, &field) in kept[..lines].iter_mut().zip(&fields[3..]) {
+            *mask = field as i64;
+        }
+        let rest = &fields[3 + lines..];
+        LeafWalk {
+            slot: fields[0],
+            i: index(fields[1]),
+            j: index(fields[2]),
+            kept,
+            leaves_u: rest[0] != 0,
+            leaves_back: rest[1] != 0,
+            steps: rest[2] as i64,
+            crossings: rest[3] as i64,
+            depth: rest[4] as i64,
+            guard: rest[5] != 0,
+        }
+    }
+
+    /// The walk as it goes back into the loop, refused.
+    pub fn resumed(&self) -> LoopWalk {
+        LoopWalk {
+            line: 0,
+            i: self.i,
+            j: self.j,
+            from_own_line: true,
+            column: 0,
+            row: 0,
+            kept: self.kept,
+            leaves_u: self.leaves_u,
+            leaves_back: self.leaves_back,
+            resumes: true,
+            steps: self.steps,
+            crossings: self.crossings,
+        }
+    }
+
+    pub fn observe(&self, lines: usize, words: &mut Vec<u64>) {
+        words.extend([self.slot, self.i as u64, self.j as u64]);
+        words.extend(self.kept[..lines].iter().map(|&mask| mask as u64));
+        words.extend([u64::from(self.leaves_u), self.leaves_back.into()]);
+        words.extend([self.steps, self.crossings, self.depth].map(|word| word as u64));
+        words.push(self.guard.into());
+    }
+}
+
+/// A walk in the leaf check, or behind it with its verdict.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Checking {
+    pub walk: LeafWalk,
+    pub ray: SlotRay,
+    pub turns: u32,
+    pub ways: (i64, i64),
+    pub travel: LeafTravel<F64Reading>,
+    pub corner: LeafCorner<F64Reading>,
+    pub refused: bool,
+    pub at_border_u: bool,
+    pub at_border_v: bool,
+    pub way: i64,
+    pub slope: i64,
+}
+
+impl Checking {
+    pub fn observe(&self, words: &mut Vec<u64>) {
+        words.push(self.turns.into());
+        let integers = [
+            self.ways.0,
+            self.ways.1,
+            self.travel.u,
+            self.travel.v,
+            self.travel.depth,
+            self.corner.u,
+            self.corner.v,
+            self.corner.error,
+        ];
+        words.extend(integers.map(|word| word as u64));
+    }
+}
+
+/// A setup.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SetUp {
+    pub busy: bool,
+    /// Cycles with digits to come.
+    pub turns: u32,
+    pub ray: SlotRay,
+    pub u: Division<F64Reading>,
+    pub v: Division<F64Reading>,
+}
+
+impl SetUp {
+    pub fn of(id: u32, entry: &BoundedEntry<F64Reading>) -> SetUp {
+        let fixed = &entry.fixed;
+        SetUp {
+            ray: SlotRay {
+                id,
+                mirrored_u: fixed.u,
+                mirrored_v: fixed.v,
+                slope_u: fixed.slope_u,
+                slope_v: fixed.slope_v,
+                mirror_u: fixed.mirror_u,
+                mirror_v: fixed.mirror_v,
+                start_line: entry.start_line,
+                i: entry.i,
+                j: entry.j,
+                t_delta_u: 0,
+                t_delta_v: 0,
+            },
+            u: entry.u,
+            v: entry.v,
+            ..SetUp::default()
+        }
+    }
+
+    pub fn observe(&self, words: &mut Vec<u64>) {
+        words.extend([u64::from(self.busy), self.turns.into()]);
+        self.ray.observe_leaf(words);
+        let ray = &self.ray;
+        words.extend([ray.start_line, ray.i, ray.j].map(|word| word as u64));
+        for division in [&self.u, &self.v] {
+            words.extend([
+                division.delta_remainder as u64,
+                division.first_remainder as u64,
+                division.delta_saturates.into(),
+                division.first_saturates.into(),
+                division.texels_back as u64,
+                division.t_delta as u64,
+                division.t_near as u64,
+            ]);
+        }
+    }
+}
+
+pub(super) fn no_division() -> Division<F64Reading> {
+    Division {
+        delta_remainder: 0,
+        first_remainder: 0,
+        delta_saturates: false,
+        first_saturates: false,
+        texels_back: 0,
+        t_delta: 0,
+        t_near: 0,
+    }
+}
+
+pub(super) fn no_place() -> (LeafTravel<F64Reading>, LeafCorner<F64Reading>) {
+    let travel = LeafTravel {
+        u: 0,
+        v: 0,
+        depth: 0,
+    };
+    let corner = LeafCorner {
+        u: 0,
+        v: 0,
+        error: 0,
+    };
+    (travel, corner)
+}
