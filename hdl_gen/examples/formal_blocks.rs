@@ -10,10 +10,16 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use hdl_gen::blocks::{fifo, height_cache, read_port};
+use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::emit::write_design;
 use hdl_gen::fault::plant;
 use hdl_gen::netlist::Module;
-use rtl_model::machine::{CacheAnswer, FifoShape, HeightCacheShape, ReadPortShape};
+use hdl_gen::units::{PaperLoop, PaperUnit};
+use rtl_model::float::FloatFormat;
+use rtl_model::machine::{CacheAnswer, FifoShape, HeightCacheShape, PaperShape, ReadPortShape};
+use rtl_model::scene::{Machine, MachineCache, MachineKind};
+use rtl_model::units::paper_step::{HeightLayout, PaperStep};
+use rtl_model::units::traverse_step::TraverseShape;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args_os().nth(1).map(PathBuf::from);
@@ -22,18 +28,44 @@ fn main() -> Result<(), Box<dyn Error>> {
         write_design(&design, &folder)?;
         write_design(&plant(&design, faulty_signal, 0)?, &folder.join("faulty"))?;
     }
+    write_design(&paper_machine(), &folder)?;
+    let sound = std::fs::read_to_string(folder.join("paper_loop.v"))?;
+    for (fault, line, faulty_line) in LOOP_FAULTS {
+        if sound.matches(line).count() != 1 {
+            return Err(format!("paper_loop.v has no line to plant a fault in: {line}").into());
+        }
+        let folder = folder.join(fault);
+        std::fs::create_dir_all(&folder)?;
+        std::fs::write(
+            folder.join("paper_loop.v"),
+            sound.replace(line, faulty_line),
+        )?;
+    }
     Ok(())
 }
+
+/// Faults of the paper's loop, more exact than an inverted signal: a controller that lets in one
+/// ray too many, a ray that is dropped where it should go round, and one that takes the id of the
+/// ray behind it.
+const LOOP_FAULTS: [(&str, &str, &str); 3] = [
+    ("overbooked", "rays_inside < 3'd4", "rays_inside < 3'd5"),
+    (
+        "dropped",
+        "valid_s0 <= recirculates | admits;",
+        "valid_s0 <= admits;",
+    ),
+    ("mixed", "id_s5  <= id_s4;", "id_s5  <= id_s3;"),
+];
 
 /// Each block with the signal that is inverted in its faulty twin.
 fn blocks() -> Vec<(Arc<Module>, &'static str)> {
     let cache = HeightCacheShape {
         name: "height_cache".to_owned(),
         height_bits: 8,
-        line_bits: 3,
+        line_bits: 2,
         lines: 2,
         pending: 2,
-        answer: CacheAnswer::Line,
+        answer: CacheAnswer::Height,
         latency: 1,
         counters: false,
     };
@@ -45,4 +77,25 @@ fn blocks() -> Vec<(Arc<Module>, &'static str)> {
         ),
         (height_cache(&cache), "collided_s1"),
     ]
+}
+
+/// The paper's machine for a map of 8 x 8 texels, with FIFOs of four places, and the datapaths that
+/// the proofs cut away.
+fn paper_machine() -> Arc<Module> {
+    let step = PaperStep {
+        shape: TraverseShape {
+            root_level: 3,
+            height_bits: 8,
+        },
+        layout: HeightLayout::Tiles,
+    };
+    let mut machine = Machine::of_kind(MachineKind::Paper);
+    machine.fifo = 4;
+    machine.cache = MachineCache {
+        lines: 2,
+        pending: 2,
+    };
+    let format = FloatFormat::E7F16;
+    let shape = PaperShape::new(step, format.width(), &machine);
+    PaperUnit::build(&PaperLoop::build(&shape, format, &OperatorLatencies::PAPER)).design
 }

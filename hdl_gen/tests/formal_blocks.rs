@@ -1,0 +1,23 @@
+//! A slice of the proofs in `formal/`, each with its planted fault: the FIFO, and the control of the
+//! paper's machine.
+
+use std::path::Path;
+use std::process::Command;
+
+#[test]
+fn the_fifo_and_the_papers_machine_are_proven_and_their_faults_found() {
+    let check = Path::new(env!("CARGO_MANIFEST_DIR")).join("../formal/check");
+    let output = Command::new(check)
+        .args(["fifo", "paper_machine"])
+        .output()
+        .unwrap();
+    let out = String::from_utf8_lossy(&output.stdout);
+    let err = String::from_utf8_lossy(&output.stderr);
+    let strict = std::env::var("CI").is_ok_and(|value| value == "true");
+    if output.status.code() == Some(2) && !strict && err.contains("was not found") {
+        println!("{err}: this check is left out");
+        return;
+    }
+    assert!(output.status.success(), "{out}\n{err}");
+    assert_eq!(out.lines().count(), 5 + 5, "{out}");
+}
