@@ -3,14 +3,14 @@
 //!
 //! | datapath | turns | does |
 //! |---|---|---|
-//! | [`SetupEntry`](BoundedDatapath::SetupEntry) | 1 | mirrors a ray, and puts it into its first block |
-//! | [`SetupDigits`](BoundedDatapath::SetupDigits) | [`BoundedShape::setup_digits`] / digits | divides |
-//! | [`SetupEnd`](BoundedDatapath::SetupEnd) | 1 | makes upper bounds |
-//! | [`Step`](BoundedDatapath::Step) | once a line | the loop |
-//! | [`LeafEntry`](BoundedDatapath::LeafEntry) | 1 | the ways from a texel's borders to the ray |
-//! | [`LeafTravel`](BoundedDatapath::LeafTravel) | height bits / digits | the ray at the texel's depth |
-//! | [`LeafCorner`](BoundedDatapath::LeafCorner) | [`corner_digits`] / digits | the error term |
-//! | [`LeafVerdict`](BoundedDatapath::LeafVerdict) | 1 | hit, by which side, or refused |
+//! | [`SetupEntry`] | 1 | mirrors a ray, and puts it into its first block |
+//! | [`SetupDigits`] | [`BoundedShape::setup_digits`] / digits | divides |
+//! | [`SetupEnd`] | 1 | makes upper bounds |
+//! | [`Step`] | once a line | the loop |
+//! | [`LeafEntry`] | 1 | the ways from a texel's borders to the ray |
+//! | [`LeafTravel`] | height bits / digits | the ray at the texel's depth |
+//! | [`LeafCorner`] | [`corner_digits`] / digits | the error term |
+//! | [`LeafVerdict`] | 1 | hit, by which side, or refused |
 
 use super::bounded_leaf::{
     corner_bits, corner_digit, corner_digits, corner_start, leaf_place, leaf_verdict, leaf_ways,
