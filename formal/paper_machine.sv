@@ -21,14 +21,11 @@ module paper_machine_properties (
     localparam [2:0] PLACES = 3'd4;
 
     // Reset in the first cycle, and never again.
-    reg started = 1'b0, ran = 1'b0;
-    always @(posedge clk_i) begin
-        started <= 1'b1;
-        ran     <= started;
-    end
+    reg started = 1'b0;
+    always @(posedge clk_i) started <= 1'b1;
 
     wire        ray_ready, hit_valid, hit_guard, ends, admits;
-    wire [19:0] hit_id;
+    wire [19:0] hit_id, waiting_id;
     wire [2:0]  hit_i, hit_j;
     wire [23:0] hit_t, hit_u, hit_v;
     wire [17:0] hit_steps, hit_crossings;
@@ -105,20 +102,52 @@ module paper_machine_properties (
         .\fifo_1.read_pointer  (read_pointer_1),
         .\paper_loop.rays_inside  (rays_inside),
         .\paper_loop.admits  (admits),
+        .\paper_loop.waiting_id_i  (waiting_id),
         .\paper_loop.ends  (ends)
     );
 
     wire enters = started && ray_valid_i && ray_ready;
     wire leaves = started && hit_valid && hit_ready_i;
 
-    // Rays of the watched id that entered and did not leave, as the handshakes tell.
+    // Rays of the watched id, as the handshakes tell: put into FIFO 0 and let into the loop, put
+    // into FIFO 1 and taken from it.
     (* anyconst *) reg [19:0] watched;
-    reg [7:0] owed = 8'd0;
+    wire watched_enters = enters && ray_id_i == watched;
+    wire watched_admits = started && admits && waiting_id == watched;
+    wire watched_ends   = started && ends && id_s14 == watched;
+    wire watched_leaves = leaves && hit_id == watched;
+    reg [4:0] waiting = 5'd0, ended = 5'd0;
     always @(posedge clk_i) begin
-        if (!started) owed <= 8'd0;
-        else owed <= owed + {7'd0, enters && ray_id_i == watched}
-                          - {7'd0, leaves && hit_id == watched};
+        if (!started) begin
+            waiting <= 5'd0;
+            ended   <= 5'd0;
+        end else begin
+            waiting <= waiting + {4'd0, watched_enters} - {4'd0, watched_admits};
+            ended   <= ended + {4'd0, watched_ends} - {4'd0, watched_leaves};
+        end
     end
+
+    // Every ray that was let into the loop and did not end is in a stage, and only in one; so is
+    // every ray of the watched id.
+    wire [4:0] in_flight;
+    stages_hold all_rays (
+        .clk_i   (clk_i),
+        .started (started),
+        .enters  (started && admits),
+        .leaves  (started && ends),
+        .stages  (valid),
+        .inside  (in_flight)
+    );
+`ifndef COUNTS
+    stages_hold watched_rays (
+        .clk_i   (clk_i),
+        .started (started),
+        .enters  (watched_admits),
+        .leaves  (watched_ends),
+        .stages  (in_loop),
+        .inside  ()
+    );
+`endif
 
     // Is this place of a FIFO taken, with the oldest item where it reads?
     function is_taken(input [1:0] place, input [1:0] read, input [2:0] count);
@@ -158,19 +187,14 @@ module paper_machine_properties (
         in_fifo_1[3] = is_taken(2'd3, read_pointer_1, count_1) && place_1_3[49:30] == watched;
     end
 
-    function [7:0] ones(input [22:0] bits);
-        integer place;
-        begin
-            ones = 8'd0;
-            for (place = 0; place < 23; place = place + 1) ones = ones + {7'd0, bits[place]};
-        end
+    function [4:0] ones(input [3:0] bits);
+        ones = ({4'd0, bits[0]} + {4'd0, bits[1]}) + ({4'd0, bits[2]} + {4'd0, bits[3]});
     endfunction
 
-    wire [7:0] in_flight = ones({8'd0, valid});
 
-    always @* if (started && ran) begin
+    always @* if (started) begin
         // The controller counts what is in the loop and in FIFO 1, and lets in no more.
-        assert ({5'd0, rays_inside} == in_flight + {5'd0, count_1});
+        assert ({2'd0, rays_inside} == in_flight + {2'd0, count_1});
         assert (rays_inside <= PLACES);
         // No hit finds FIFO 1 full.
         assert (!ends || count_1 != PLACES);
@@ -179,8 +203,9 @@ module paper_machine_properties (
         assert (write_pointer_0 == read_pointer_0 + count_0[1:0]);
         assert (write_pointer_1 == read_pointer_1 + count_1[1:0]);
 `ifndef COUNTS
-        // Every ray that entered and did not leave is somewhere, and only once.
-        assert (owed == ones({in_loop, in_fifo_0, in_fifo_1}));
+        // Every ray of that id that is put into a FIFO and not taken is in it, and only once.
+        assert (waiting == ones(in_fifo_0));
+        assert (ended == ones(in_fifo_1));
 `endif
     end
 
@@ -192,14 +217,42 @@ module paper_machine_properties (
         held       <= started && hit_valid && !hit_ready_i;
         hit_before <= hit;
     end
-    always @* if (started && ran && held) assert (hit_valid && hit == hit_before);
+    always @* if (started && held) assert (hit_valid && hit == hit_before);
 
     // FIFO 1 is full, and rays wait in FIFO 0.
-    always @* cover (started && ran && count_1 == PLACES && count_0 == PLACES);
+    always @* cover (started && count_1 == PLACES && count_0 == PLACES);
     // The watched ray goes round.
     reg was_last = 1'b0;
     always @(posedge clk_i) was_last <= started && in_loop[14];
-    always @* cover (started && ran && was_last && in_loop[0]);
+    always @* cover (started && was_last && in_loop[0]);
+endmodule
+
+// Of the rays that entered a ring of stages and did not leave it, each is in a stage, and no other.
+module stages_hold (
+    input wire        clk_i,
+    input wire        started,
+    input wire        enters,  // into stage 0
+    input wire        leaves,  // from the last stage, instead of going round
+    input wire [14:0] stages,  // where there is a ray
+    output wire [4:0] inside   // that entered and did not leave
+);
+    // Five bits a stage k: rays in stage k and behind it. They are counted as rays move, and
+    // each count hangs together with the next, so that a solver never has to add up the stages.
+    reg [74:0] counts;
+    assign inside = counts[4:0];
+    integer k;
+    always @(posedge clk_i) begin
+        counts[4:0] <= started ? counts[4:0] + {4'd0, enters} - {4'd0, leaves} : 5'd0;
+        for (k = 1; k < 15; k = k + 1)
+            counts[5 * k +: 5] <= started
+                ? counts[5 * k +: 5] + {4'd0, stages[k - 1]} - {4'd0, stages[14]}
+                : 5'd0;
+    end
+    always @* if (started) begin
+        for (k = 0; k < 14; k = k + 1)
+            assert (counts[5 * k +: 5] == counts[5 * k + 5 +: 5] + {4'd0, stages[k]});
+        assert (counts[74:70] == {4'd0, stages[14]});
+    end
 endmodule
 
 `default_nettype wire
