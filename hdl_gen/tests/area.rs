@@ -117,7 +117,7 @@ fn memories_are_counted() {
     let enable = builder.input("enable_i", 1);
     let address = builder.input("address_i", 8);
     let data = builder.input("data_i", 16);
-    let large = builder.memory("large", 256, 16);
+    let large = builder.memory("many_words", 256, 16);
     builder.memory_write(large, enable, address, data);
     let read = builder.input("read_i", 8);
     // The same place is not read and written at once, so that a block RAM will do.
@@ -127,7 +127,7 @@ fn memories_are_counted() {
     let word = builder.memory_read(large, read);
     let word = builder.registered(word, Some(reads), None);
     builder.output("word_o", word);
-    let small = builder.memory("small", 16, 8);
+    let small = builder.memory("few_words", 16, 8);
     let low = builder.slice(address, 3, 0);
     let byte = builder.slice(data, 7, 0);
     builder.memory_write(small, enable, low, byte);
