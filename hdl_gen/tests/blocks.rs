@@ -12,21 +12,18 @@ use std::sync::Arc;
 
 use hdl_gen::blocks::{declared_probes, fifo, height_cache, read_port};
 use hdl_gen::netlist::{Module, Operation};
-use hdl_gen::verify::{ClockedRun, Comparison};
+use hdl_gen::verify::{ClockedRun, ClockedTraffic, Comparison, EachCycle, input_ports};
 use rtl_model::machine::{
     AxiMemory, AxiMemoryShape, CacheAnswer, ClockedUnit, Declared, Fifo, FifoShape, HeightCache,
     HeightCacheShape, ReadPort, ReadPortInputs, ReadPortShape, StallPattern,
 };
-
-/// Sees a cycle: the words of the input ports, and the golden ones.
-type Each<'a> = &'a mut dyn FnMut(&[u64], &[u64]) -> ControlFlow<()>;
 
 /// A block, its Verilog, and traffic for it.
 struct Block {
     design: Arc<Module>,
     declaration: Vec<Declared>,
     result: (&'static str, &'static str),
-    traffic: Box<dyn Fn(Each<'_>) -> ControlFlow<()>>,
+    traffic: Box<ClockedTraffic<'static>>,
 }
 
 impl Block {
@@ -35,6 +32,8 @@ impl Block {
         with(&ClockedRun {
             unit: design,
             probes: &probes,
+            driven: input_ports(design),
+            reset_cycles: 4,
             result: self.result,
             traffic: &*self.traffic,
         })
@@ -64,7 +63,7 @@ impl Random {
 }
 
 /// A cycle of one unit: what is driven and what is observed.
-fn cycle(unit: &mut dyn ClockedUnit, driven: &[u64], each: Each<'_>) -> ControlFlow<()> {
+fn cycle(unit: &mut dyn ClockedUnit, driven: &[u64], each: &mut EachCycle<'_>) -> ControlFlow<()> {
     let mut words = Vec::new();
     unit.observe(driven, &mut words);
     each(driven, &words)?;
@@ -377,7 +376,11 @@ fn verilator_agrees_in_every_cycle_and_finds_a_fault() {
     };
     for (block, leaving) in blocks().into_iter().step_by(3) {
         let name = &block.design.name;
-        let run = |design| block.run(design, |run| run.verilator(&verilator).unwrap());
+        let run = |design| {
+            block.run(design, |run| {
+                run.verilator(&verilator, None, |_| ()).unwrap()
+            })
+        };
         let found = run(&block.design);
         assert_eq!(
             (found.mismatches, found.cycles_compared),
@@ -391,7 +394,9 @@ fn verilator_agrees_in_every_cycle_and_finds_a_fault() {
         |place: &usize| matches!(block.design.nodes[*place].operation, Operation::Not(_));
     let place = (0..block.design.nodes.len()).find(is_inverted).unwrap();
     let faulty = mutant(&block.design, place).unwrap();
-    let found = block.run(&faulty, |run| run.verilator(&verilator).unwrap());
+    let found = block.run(&faulty, |run| {
+        run.verilator(&verilator, None, |_| ()).unwrap()
+    });
     assert!(found.mismatches > 0);
 }
 

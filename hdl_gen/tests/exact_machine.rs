@@ -78,7 +78,9 @@ fn every_register_is_the_golden_one_in_every_cycle() {
         for (counters, seed) in [(true, None), (false, Some(0xace1))] {
             let unit = unit(&pyramid, log2_side, effort, counters);
             let run = run(&unit, &pyramid, &rays, seed);
-            let comparison = ExactDesign::of(&unit).embedded(&run).unwrap();
+            let comparison = ExactDesign::of(&unit)
+                .compare(&run, |run| run.embedded())
+                .unwrap();
             assert_eq!(comparison.first, [], "{}", comparison.mismatches);
             assert_eq!(comparison.rays, 300);
             assert!(comparison.signals_compared > 300 && comparison.cycles > 1500);
@@ -122,7 +124,7 @@ fn planted_faults_are_found() {
         *operation = Operation::Or(a, b);
         let mut design = ExactDesign::of(&unit);
         design.design = Arc::new(faulty);
-        let comparison = design.embedded(&run).unwrap();
+        let comparison = design.compare(&run, |run| run.embedded()).unwrap();
         let signals: Vec<&str> = comparison
             .first
             .iter()
@@ -137,7 +139,7 @@ fn planted_faults_are_found() {
     design.design = planted(&unit.design, reads, |operation| {
         *operation = Operation::Constant(0);
     });
-    let comparison = design.embedded(&run).unwrap();
+    let comparison = design.compare(&run, |run| run.embedded()).unwrap();
     assert!(!comparison.first.is_empty());
 }
 
@@ -156,7 +158,7 @@ fn the_machine_agrees_under_verilator() {
     let unit = unit(&pyramid, 1, ExactEffort::AREA, true);
     let run = run(&unit, &pyramid, &rays, Some(5));
     let comparison = ExactDesign::of(&unit)
-        .verilator(&verilator, &run, None, |_| ())
+        .compare(&run, |run| run.verilator(&verilator, None, |_| ()))
         .unwrap();
     assert_eq!(comparison.first, [], "{}", comparison.mismatches);
     assert_eq!(comparison.rays, 2000);

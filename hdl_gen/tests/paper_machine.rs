@@ -82,7 +82,9 @@ fn every_register_of_the_loop_is_the_golden_one_in_every_cycle() {
         assert_eq!(paper.step.latency, 14, "fifteen stages");
         let design = PaperDesign::of_loop(&paper);
         let comparison = design
-            .embedded(&run(&paper, &pyramid, &rays, seed), E7F16)
+            .compare(&run(&paper, &pyramid, &rays, seed), E7F16, |run| {
+                run.embedded()
+            })
             .unwrap();
         assert_eq!(comparison.first, [], "{}", comparison.mismatches);
         assert_eq!(comparison.rays, 150);
@@ -107,7 +109,9 @@ fn a_controller_that_admits_too_many_is_seen() {
     bound.unwrap().operation = hdl_gen::netlist::Operation::Constant(5);
     design.design = Arc::new(faulty);
     let comparison = design
-        .embedded(&run(&paper, &pyramid, &rays, None), E7F16)
+        .compare(&run(&paper, &pyramid, &rays, None), E7F16, |run| {
+            run.embedded()
+        })
         .unwrap();
     let signals: Vec<&str> = comparison
         .first
@@ -127,7 +131,9 @@ fn every_register_of_the_unit_is_the_golden_one_in_every_cycle() {
         machine.cache.lines = 16;
         let unit = PaperUnit::build(&built(&pyramid, &machine));
         let run = run(&unit.paper, &pyramid, &rays, seed);
-        let comparison = PaperDesign::of_unit(&unit).embedded(&run, E7F16).unwrap();
+        let comparison = PaperDesign::of_unit(&unit)
+            .compare(&run, E7F16, |run| run.embedded())
+            .unwrap();
         assert_eq!(comparison.first, [], "{}", comparison.mismatches);
         assert_eq!(comparison.rays, 150);
         assert!(comparison.signals_compared > 300 && comparison.cycles > 1500);
@@ -150,7 +156,7 @@ fn the_unit_agrees_under_verilator() {
     let unit = PaperUnit::build(&built(&pyramid, &machine));
     let run = run(&unit.paper, &pyramid, &rays, Some(0xbeef));
     let comparison = PaperDesign::of_unit(&unit)
-        .verilator(&verilator, &run, E7F16, None, |_| {})
+        .compare(&run, E7F16, |run| run.verilator(&verilator, None, |_| ()))
         .unwrap();
     assert_eq!(comparison.first, [], "{}", comparison.mismatches);
     assert_eq!(comparison.rays, 1000);

@@ -8,7 +8,8 @@ use std::path::Path;
 use rtl_model::calibration::{CAMERAS, SURFACES, real_maps};
 use rtl_model::camera::View;
 use rtl_model::machine::{
-    AxiMemoryShape, ExactEffort, ExactHit, ExactMachineShape, ExactRun, ExactSummary, StallPattern,
+    AxiMemoryShape, ExactCounts, ExactEffort, ExactHit, ExactMachineShape, ExactRun, RunSummary,
+    StallPattern,
 };
 use rtl_model::maps::{Channel, HeightMap, MapSource, Pyramid};
 use rtl_model::ray::Ray;
@@ -117,7 +118,7 @@ fn run(
     shape: &ExactMachineShape,
     traffic: Traffic,
     plant: impl Fn(&mut ExactHit),
-) -> (ExactSummary, u64) {
+) -> (RunSummary<ExactCounts>, u64) {
     let lines = subject.pyramid.lines(shape.bounded.log2_side);
     let run = ExactRun {
         shape: shape.clone(),

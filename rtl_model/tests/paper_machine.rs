@@ -7,8 +7,8 @@ use std::path::Path;
 use rtl_model::calibration::{CAMERAS, SURFACES, real_maps};
 use rtl_model::camera::View;
 use rtl_model::machine::{
-    AxiMemoryShape, PaperInputs, PaperMachine, PaperOutputs, PaperRun, PaperShape, PaperSummary,
-    StallPattern,
+    AxiMemoryShape, PaperCounts, PaperInputs, PaperMachine, PaperOutputs, PaperRun, PaperShape,
+    RunSummary, StallPattern,
 };
 use rtl_model::maps::{Channel, HeightMap, MapSource, Pyramid};
 use rtl_model::ray::Ray;
@@ -42,7 +42,7 @@ fn entered(rays: impl IntoIterator<Item = Ray<f64>>) -> Vec<Ray<u64>> {
 }
 
 /// Runs, and holds every hit against the golden walk.
-fn check(run: &PaperRun<'_>) -> PaperSummary {
+fn check(run: &PaperRun<'_>) -> RunSummary<PaperCounts> {
     let mut seen = vec![false; run.rays.len()];
     type Walking = PaperMachine<FloatReading<E7F16>>;
     let each = |machine: &Walking, inputs: &PaperInputs, outputs: &PaperOutputs| {

@@ -10,8 +10,8 @@ use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::units::{PaperLoop, PaperUnit};
 use rtl_model::float::FloatFormat;
 use rtl_model::machine::{
-    AxiMemoryShape, HitLedger, HitReport, ID_BITS, OccupancyOverTime, PaperRun, PaperShape,
-    PaperSummary, StallPattern,
+    AxiMemoryShape, HitLedger, HitReport, ID_BITS, OccupancyOverTime, PaperCounts, PaperRun,
+    PaperShape, RunSummary, StallPattern,
 };
 use rtl_model::maps::Pyramid;
 use rtl_model::ray::Ray;
@@ -141,16 +141,21 @@ impl PaperScene {
             .collect();
         let mut ledger = HitLedger::new(expected.concat(), 9);
         let mut occupancy = OccupancyOverTime::default();
+        let mut guards = 0;
         let summary = self
             .run(stalls)
             .run(FloatReading(format), |machine, inputs, outputs| {
                 occupancy.cycle(outputs.admits || outputs.recirculates);
                 if outputs.hit_valid && inputs.hit_ready {
+                    guards += u64::from(outputs.hit_guard);
                     ledger.enter(machine.hit());
                 }
                 ControlFlow::Continue(())
             });
-        MachineReport::of_paper(summary, ledger.report(), occupancy)
+        MachineReport {
+            guards,
+            ..MachineReport::of_paper(summary, ledger.report(), occupancy)
+        }
     }
 
     /// What must leave FIFO 1 for a ray.
@@ -227,13 +232,16 @@ pub struct MachineReport {
     pub duplicated: u64,
     /// Hits other than the golden walk's.
     pub hits_differing: u64,
+    /// Walks that ended at the step bound. Whoever prints a report has a place for them.
+    #[serde(skip)]
+    pub guards: u64,
     #[serde(skip)]
     occupancy_over_time: OccupancyOverTime,
 }
 
 impl MachineReport {
     fn of_paper(
-        summary: PaperSummary,
+        summary: RunSummary<PaperCounts>,
         hits: HitReport,
         occupancy_over_time: OccupancyOverTime,
     ) -> MachineReport {
@@ -251,6 +259,7 @@ impl MachineReport {
             lost: hits.lost(),
             duplicated: hits.duplicated,
             hits_differing: hits.differing,
+            guards: 0,
             occupancy_over_time,
         }
     }

@@ -87,7 +87,7 @@ pub fn run_embedded(
     let mut divergent_cycles = 0;
     let mut found = vec![0; unit.probes.len()];
     run.run(unit.configuration.format, |inputs, outputs, words| {
-        history.push(words);
+        history.push(&words.0);
         ports.drive(&mut simulator, inputs);
         simulator.settle();
         let cycle = comparison.cycles;

@@ -92,15 +92,17 @@ impl History {
     }
 
     /// Appends a cycle. The first one also stands for all before it: the idle unit after reset.
-    pub fn push(&mut self, words: &CycleWords) {
+    pub fn push(&mut self, words: &[u64]) {
         if self.cycles[self.newest].is_empty() {
             for cycle in &mut self.cycles {
-                cycle.clone_from(&words.0);
+                cycle.extend_from_slice(words);
             }
             return;
         }
         self.newest = (self.newest + 1) % self.cycles.len();
-        self.cycles[self.newest].clone_from(&words.0);
+        let cycle = &mut self.cycles[self.newest];
+        cycle.clear();
+        cycle.extend_from_slice(words);
     }
 
     /// What the golden model says a probe must show in the newest cycle.

@@ -313,7 +313,7 @@ fn compare(
     let mut divergent_cycles = 0;
     let mut problem = None;
     run.run(unit.configuration.format, |inputs, outputs, words| {
-        history.push(words);
+        history.push(&words.0);
         match samples.next_cycle() {
             // A cycle left out would shift all that follow.
             Ok(Some(cycle)) if cycle == comparison.cycles => {}

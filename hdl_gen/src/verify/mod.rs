@@ -18,7 +18,7 @@ mod vectors;
 mod verilator;
 mod waveform;
 
-pub use clocked::{ClockedRun, ClockedTraffic};
+pub use clocked::{ClockedRun, ClockedTraffic, EachCycle, input_ports};
 pub use divergence::{Comparison, Divergence};
 pub use embedded::run_embedded;
 pub use exact::ExactDesign;

@@ -1,19 +1,13 @@
 //! The paper's traverse unit, whole or its loop alone, against the golden machine: every declared
 //! signal and every register in every cycle.
 
-use std::io;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use super::divergence::{Comparison, Divergence};
-use super::embedded::{DIVERGENT_CYCLES, embedded_path};
-use super::golden::History;
-use super::record::HarnessPlan;
-use super::verilator::{RecordStream, TraceWindow, Verilator, VerilatorError, run_harness};
+use super::clocked::{ClockedRun, EachCycle};
 use crate::netlist::Module;
-use crate::simulate::{SimulateError, Simulator};
 use crate::units::{
-    CycleWords, PAPER_LOOP, PaperLayout, PaperLoop, PaperUnit, Probe, declared_word, loop_probes,
+    PAPER_LOOP, PaperLayout, PaperLoop, PaperUnit, Probe, declared_word, loop_probes,
 };
 use rtl_model::machine::{DeclaredKind, PaperInputs, PaperOutputs, PaperRun};
 use rtl_model::readings::{FloatReading, HasFormat};
@@ -91,19 +85,21 @@ impl PaperDesign {
         }
     }
 
-    fn driven_words(
+    fn drive(
         &self,
         inputs: &PaperInputs,
         outputs: &PaperOutputs,
         words: &[u64],
-    ) -> Vec<u64> {
+        driven: &mut Vec<u64>,
+    ) {
         let input_words = inputs.words();
-        let word = |&(_, driven): &(String, Driven)| match driven {
+        let word = |&(_, from): &(String, Driven)| match from {
             Driven::Input(place) => input_words[place],
             Driven::Golden(place) => words[place],
             Driven::HitLeaves => (outputs.hit_valid && inputs.hit_ready).into(),
         };
-        self.driven.iter().map(word).collect()
+        driven.clear();
+        driven.extend(self.driven.iter().map(word));
     }
 
     /// Runs the golden machine; `each` sees the words driven and the golden words of every cycle.
@@ -111,126 +107,35 @@ impl PaperDesign {
         &self,
         run: &PaperRun<'_>,
         format: H,
-        mut each: impl FnMut(&[u64], &CycleWords, &PaperOutputs) -> ControlFlow<()>,
-    ) -> u64 {
-        let mut words = CycleWords::default();
-        let summary = run.run(FloatReading(format), |machine, inputs, outputs| {
-            words.0.clear();
-            machine.observe(inputs, &mut words.0);
-            let driven = self.driven_words(inputs, outputs, &words.0);
-            each(&driven, &words, outputs)
+        each: &mut EachCycle<'_>,
+    ) -> ControlFlow<()> {
+        let mut words = Vec::new();
+        let mut driven = Vec::new();
+        let mut flow = ControlFlow::Continue(());
+        run.run(FloatReading(format), |machine, inputs, outputs| {
+            words.clear();
+            machine.observe(inputs, &mut words);
+            self.drive(inputs, outputs, &words, &mut driven);
+            flow = each(&driven, &words);
+            flow
         });
-        summary.hits
+        flow
     }
 
-    /// Runs the netlist beside the golden machine.
-    ///
-    /// # Errors
-    /// If the netlist cannot be simulated.
-    pub fn embedded<H: HasFormat + std::fmt::Debug>(
+    /// Calls `with` with the comparison of a run, to be made in a simulator of choice.
+    pub fn compare<T, H: HasFormat + std::fmt::Debug>(
         &self,
         run: &PaperRun<'_>,
         format: H,
-    ) -> Result<Comparison, SimulateError> {
-        let mut simulator = Simulator::new(&self.design)?;
-        let inputs = self.driven.iter().map(|(name, _)| simulator.input(name));
-        let inputs = inputs.collect::<Result<Vec<_>, _>>()?;
-        let signals = self
-            .probes
-            .iter()
-            .map(|probe| simulator.signal(&embedded_path(probe)))
-            .collect::<Result<Vec<_>, _>>()?;
-        simulator.set("rst_ni", 0)?;
-        for _ in 0..run.reset_cycles() {
-            simulator.settle();
-            simulator.clock();
-        }
-        simulator.set("rst_ni", 1)?;
-        let mut history = History::new(run.pass_cycles);
-        let mut comparison = Comparison {
-            signals_compared: self.probes.len() as u64,
-            ..Comparison::default()
-        };
-        let mut divergent_cycles = 0;
-        comparison.rays = self.golden(run, format, |driven, words, _| {
-            history.push(words);
-            for (&input, &word) in inputs.iter().zip(driven) {
-                simulator.set_input(input, word);
-            }
-            simulator.settle();
-            let mut differs = 0;
-            for (probe, &signal) in self.probes.iter().zip(&signals) {
-                let (expected, found) = (history.expected(probe), simulator.peek(signal));
-                if found != expected {
-                    differs += 1;
-                    if divergent_cycles == 0 {
-                        comparison.first.push(Divergence {
-                            cycle: comparison.cycles,
-                            unit: probe.scope.join("."),
-                            signal: probe.name.clone(),
-                            expected,
-                            found,
-                        });
-                    }
-                }
-            }
-            comparison.mismatches += differs;
-            comparison.cycles += 1;
-            simulator.clock();
-            divergent_cycles += u64::from(differs > 0);
-            match divergent_cycles < DIVERGENT_CYCLES {
-                true => ControlFlow::Continue(()),
-                false => ControlFlow::Break(()),
-            }
-        });
-        comparison.cycles_compared = comparison.cycles;
-        Ok(comparison)
-    }
-
-    /// What a harness drives and compares.
-    pub fn plan(&self, run: &PaperRun<'_>) -> HarnessPlan {
-        let driven: Vec<&str> = self.driven.iter().map(|(name, _)| name.as_str()).collect();
-        HarnessPlan::new(
-            &self.design,
-            &driven,
-            self.probes.clone(),
-            run.reset_cycles(),
-            None,
-            self.result,
-        )
-    }
-
-    /// Runs the design under Verilator beside the golden machine. `progress` is told now and then
-    /// how many cycles have run.
-    ///
-    /// # Errors
-    /// If Verilator cannot build or run it.
-    pub fn verilator<H: HasFormat + std::fmt::Debug>(
-        &self,
-        verilator: &Verilator,
-        run: &PaperRun<'_>,
-        format: H,
-        window: Option<&TraceWindow>,
-        mut progress: impl FnMut(u64),
-    ) -> Result<Comparison, VerilatorError> {
-        let plan = self.plan(run);
-        let program = verilator.build(&self.design, &plan, window.is_some())?;
-        let mut cycles: u64 = 0;
-        let stream = |records: &mut RecordStream<'_>| -> io::Result<()> {
-            let mut outcome = Ok(());
-            self.golden(run, format, |driven, words, _| {
-                if let Err(problem) = records.send(driven, &words.0) {
-                    outcome = Err(problem);
-                    return ControlFlow::Break(());
-                }
-                cycles += 1;
-                if cycles.is_multiple_of(16384) {
-                    progress(cycles);
-                }
-                ControlFlow::Continue(())
-            });
-            outcome
-        };
-        run_harness(&program, &plan, None, window, stream)
+        with: impl FnOnce(&ClockedRun<'_>) -> T,
+    ) -> T {
+        with(&ClockedRun {
+            unit: &self.design,
+            probes: &self.probes,
+            driven: self.driven.iter().map(|(name, _)| name.as_str()).collect(),
+            reset_cycles: run.reset_cycles(),
+            result: self.result,
+            traffic: &|each| self.golden(run, format, each),
+        })
     }
 }

@@ -134,7 +134,7 @@ pub fn golden_waveform<W: Write>(
     run.run(
         unit.configuration.format,
         |inputs, _, words: &CycleWords| {
-            history.push(words);
+            history.push(&words.0);
             let probes: Vec<u64> = unit
                 .probes
                 .iter()

@@ -14,106 +14,23 @@
 //! gap. So every walk in the loop gets on, and no wait is a circle: hits wait for their receiver,
 //! the leaf check for hits, the FIFO for the leaf check, new rays for slots.
 
-use super::declaration::ClockedUnit;
-use super::exact_shape::{EXACT_COUNTER_BITS, ExactMachineShape};
-use super::exact_state::{
-    Checking, LeafWalk, LoopWalk, SetUp, SlotRay, Trip, fixed_ray, no_division, no_place,
-};
+mod observe;
+mod ports;
+
+pub use ports::{ExactCounts, ExactHit, ExactInputs, ExactOutputs};
+
+use super::exact_shape::ExactMachineShape;
+use super::exact_state::{Checking, LeafWalk, LoopWalk, SetUp, SlotRay, Trip, fixed_ray};
 use super::exact_trip::exact_trip;
 use super::fifo::Fifo;
 use super::height_cache::{HeightCache, HeightCacheInputs};
-use super::read_port::{AxiAddress, AxiBeat, ReadPort, ReadPortInputs, ReadPortOutputs};
-use crate::ray_format::QuantisedRay;
-use crate::readings::{E7F16, F64Reading, FloatReading, Traced};
+use super::read_port::{ReadPort, ReadPortInputs, ReadPortOutputs};
+use crate::readings::F64Reading;
 use crate::units::bounded_leaf::{
     LeafTravel, corner_digit, corner_start, leaf_place, leaf_verdict, leaf_ways, travel_digit,
 };
 use crate::units::bounded_setup::{setup_digit, setup_end, setup_entry};
 use crate::units::bounded_shape::LINE_BITS;
-
-/// What the unit's input ports carry in a cycle.
-#[derive(Clone, Copy, Debug)]
-pub struct ExactInputs {
-    /// A ray is offered.
-    pub ray_valid: bool,
-    /// Its id.
-    pub ray_id: u32,
-    /// The ray.
-    pub ray: QuantisedRay,
-    /// A hit would be taken.
-    pub hit_ready: bool,
-    /// The memory takes an address.
-    pub arready: bool,
-    /// What the memory answers.
-    pub r: AxiBeat,
-}
-
-/// What the unit's handshakes carry in a cycle, and what its control does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ExactOutputs {
-    /// A ray offered in this cycle is taken.
-    pub ray_ready: bool,
-    /// A hit is offered.
-    pub hit_valid: bool,
-    /// The walk in the last stage goes round again.
-    pub recirculates: bool,
-    /// The walk in the last stage goes to the leaf check.
-    pub ends: bool,
-    /// A walk refused by the leaf check goes back into the loop.
-    pub returns: bool,
-    /// A ray enters the loop.
-    pub admits: bool,
-    /// The address channel of the memory.
-    pub ar: AxiAddress,
-    /// A beat of the memory would be taken.
-    pub rready: bool,
-    /// The memory has answered wrongly.
-    pub error: bool,
-}
-
-/// A hit that the unit offers: what its ports carry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ExactHit {
-    /// The ray's id.
-    pub id: u32,
-    /// The texel.
-    pub i: u32,
-    /// The texel on v.
-    pub j: u32,
-    /// It is the texel's side across u that is hit.
-    pub at_border_u: bool,
-    /// It is that across v.
-    pub at_border_v: bool,
-    /// From that side's border to the ray's entry, in units of an entry: negative.
-    pub way: i64,
-    /// The ray's slope on that axis.
-    pub slope: i64,
-    /// The depth of the texel, in height steps: that of a hit on its top.
-    pub depth: i64,
-    /// Steps: lines read.
-    pub steps: u32,
-    /// Blocks of the start line crossed.
-    pub crossings: u32,
-    /// The walk ended at the step bound.
-    pub guard: bool,
-}
-
-/// What has been counted since reset. In a cycle a trip begins, or there is a gap.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ExactCounts {
-    /// Trips begun.
-    pub trips: u64,
-    /// Cycles in which none began.
-    pub gaps: u64,
-    /// Walks refused by the leaf check.
-    pub refusals: u64,
-    /// Lookups that found their line.
-    pub hits: u64,
-    /// Lookups that did not.
-    pub misses: u64,
-    /// Lines fetched.
-    pub lines_fetched: u64,
-}
 
 /// The exact machine.
 #[derive(Clone, Debug)]
@@ -567,145 +484,6 @@ impl ExactMachine {
         trip.writes = result.writes;
         trip.ends = result.ends;
     }
-
-    /// Appends the result of every operation of the trip in a stage, as the golden reading keeps them. Before
-    /// the cache has answered, those that depend on its heights are of no use.
-    pub fn trace(
-        &self,
-        stage: u32,
-        traced: &mut Traced<FloatReading<E7F16>>,
-        words: &mut Vec<u64>,
-    ) {
-        let trip = self.stage(stage as usize);
-        traced.words.clear();
-        exact_trip(
-            traced,
-            self.shape.bounded,
-            &trip.ray.bounded(),
-            &trip.walk.bounded(),
-            trip.base,
-            (trip.fresh, trip.missed),
-            &trip.heights[..self.shape.bounded.lines().cells()],
-        );
-        words.extend_from_slice(&traced.words);
-    }
-
-    /// Appends what stands in front of a stage: valid, slot, fresh, missed, the place in the cache's
-    /// line, then the inputs of the trip's datapath in their order.
-    pub fn observe_stage(&self, stage: u32, words: &mut Vec<u64>) {
-        let trip = self.stage(stage as usize);
-        words.extend([u64::from(trip.valid), trip.slot, trip.fresh.into()]);
-        words.extend([trip.missed.into(), trip.place as u64]);
-        let ray = &trip.ray;
-        words.extend([ray.t_delta_u as u64, ray.t_delta_v as u64]);
-        words.extend([u64::from(ray.mirror_u), ray.mirror_v.into()]);
-        words.push(ray.start_line as u64);
-        trip.walk.observe(self.shape.bounded.line_levels(), words);
-        words.extend([trip.base.0 as u64, trip.base.1 as u64]);
-        words.extend([u64::from(trip.fresh), trip.missed.into()]);
-        let cells = self.shape.bounded.lines().cells();
-        words.extend(trip.heights[..cells].iter().map(|&height| height as u64));
-    }
-
-    /// Appends the words of this cycle: the declared signals of the unit that are no inputs, then those of
-    /// the FIFO, the cache and the read port. Words of integers have the sign in front.
-    pub fn observe(&self, inputs: &ExactInputs, words: &mut Vec<u64>) {
-        let outputs = self.outputs(inputs);
-        let lines = self.shape.bounded.line_levels();
-        words.extend([u64::from(outputs.ray_ready), outputs.hit_valid.into()]);
-        let hit = self.hit();
-        words.extend([
-            u64::from(hit.id),
-            hit.i.into(),
-            hit.j.into(),
-            hit.at_border_u.into(),
-            hit.at_border_v.into(),
-            hit.way as u64,
-            hit.slope as u64,
-            hit.depth as u64,
-            hit.steps.into(),
-            hit.crossings.into(),
-            hit.guard.into(),
-        ]);
-        words.extend([
-            u64::from(outputs.ar.valid),
-            outputs.ar.address,
-            outputs.ar.length,
-            // 2^3 bytes a beat, addresses that increase.
-            3,
-            1,
-            outputs.ar.id,
-            outputs.rready.into(),
-            outputs.error.into(),
-        ]);
-        if self.shape.counters {
-            let counts = self.counts();
-            let counters = [
-                counts.trips,
-                counts.gaps,
-                counts.refusals,
-                counts.hits,
-                counts.misses,
-                counts.lines_fetched,
-            ];
-            words.extend(counters.map(|count| count & ((1 << EXACT_COUNTER_BITS) - 1)));
-        }
-        for set_up in &self.setups {
-            set_up.observe(words);
-        }
-        words.push(self.free_slots);
-        words.extend([u64::from(outputs.recirculates), outputs.ends.into()]);
-        words.extend([u64::from(outputs.returns), outputs.admits.into()]);
-        self.stage(0).walk.observe(lines, words);
-        words.extend([u64::from(self.lookup_valid), self.lookup_address as u64]);
-        words.push(self.waiting_valid.into());
-        self.waiting.0.observe(lines, words);
-        self.waiting.1.observe_leaf(words);
-        words.push(self.check_valid.into());
-        self.check.walk.observe(lines, words);
-        let ray = &self.check.ray;
-        words.extend([u64::from(ray.id), ray.slope_u as u64, ray.slope_v as u64]);
-        words.extend([u64::from(ray.mirror_u), ray.mirror_v.into()]);
-        words.push(self.answer_valid.into());
-        self.answer.walk.observe(lines, words);
-        let ray = &self.answer.ray;
-        words.extend([u64::from(ray.id), ray.mirror_u.into(), ray.mirror_v.into()]);
-        self.check.observe(words);
-        let answer = &self.answer;
-        words.extend([u64::from(answer.refused), answer.at_border_u.into()]);
-        words.extend([u64::from(answer.at_border_v), answer.way as u64]);
-        words.push(answer.slope as u64);
-
-        let (fields, count) = self.last_stage().leaf_fields(&self.shape);
-        let waits = self.leaf_fifo.outputs().out_valid && !self.waiting_valid;
-        let mut driven = [0; 20];
-        driven[0] = outputs.ends.into();
-        driven[1..=count].copy_from_slice(&fields[..count]);
-        driven[count + 1] = waits.into();
-        self.leaf_fifo.observe(&driven[..count + 2], words);
-        let cache = self.cache.outputs();
-        let port = self.port_outputs(inputs);
-        let driven = [
-            self.lookup_valid.into(),
-            self.lookup_address as u64 >> self.shape.offset_bits(),
-            port.request_ready.into(),
-            port.beat_valid.into(),
-            port.beat_data,
-        ];
-        self.cache.observe(&driven, words);
-        let driven = [
-            cache.fetch_valid.into(),
-            cache.fetch_line,
-            1,
-            inputs.arready.into(),
-            inputs.r.valid.into(),
-            inputs.r.id,
-            inputs.r.data,
-            inputs.r.response,
-            inputs.r.last.into(),
-        ];
-        self.port.observe(&driven, words);
-    }
 }
 
 struct Verdict {
@@ -713,55 +491,4 @@ struct Verdict {
     refused: bool,
     at_border_u: bool,
     at_border_v: bool,
-}
-
-impl ExactInputs {
-    /// The words of the input ports, in their declared order; those of signed ones in 64 bits.
-    pub fn words(&self) -> [u64; 13] {
-        [
-            self.ray_valid.into(),
-            self.ray_id.into(),
-            self.ray.u as u64,
-            self.ray.v as u64,
-            self.ray.du as u64,
-            self.ray.dv as u64,
-            self.hit_ready.into(),
-            self.arready.into(),
-            self.r.valid.into(),
-            self.r.id,
-            self.r.data,
-            self.r.response,
-            self.r.last.into(),
-        ]
-    }
-}
-
-impl Default for Checking {
-    fn default() -> Self {
-        Checking {
-            walk: LeafWalk::default(),
-            ray: SlotRay::default(),
-            turns: 0,
-            ways: (0, 0),
-            travel: no_place().0,
-            corner: no_place().1,
-            refused: false,
-            at_border_u: false,
-            at_border_v: false,
-            way: 0,
-            slope: 0,
-        }
-    }
-}
-
-impl Default for SetUp {
-    fn default() -> Self {
-        SetUp {
-            busy: false,
-            turns: 0,
-            ray: SlotRay::default(),
-            u: no_division(),
-            v: no_division(),
-        }
-    }
 }

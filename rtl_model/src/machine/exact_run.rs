@@ -5,18 +5,13 @@ use std::ops::ControlFlow;
 use super::axi_memory::{AxiMemory, AxiMemoryShape};
 use super::exact::{ExactCounts, ExactHit, ExactInputs, ExactMachine, ExactOutputs};
 use super::exact_shape::ExactMachineShape;
+use super::run_summary::{PATIENCE, RunSummary, WAITING};
 use super::stall::StallPattern;
 use crate::maps::Lines;
 use crate::ray_format::QuantisedRay;
 use crate::units::bounded_shape::BoundedShape;
 use crate::units::fixed_traverse::FixedHit;
 use crate::units::traverse::Status;
-
-/// With so many rays still to be offered the loop should be full.
-const WAITING: usize = 64;
-
-/// Cycles without a hit after which a run gives up: a memory that answers is never so slow.
-const PATIENCE: u64 = 1 << 20;
 
 /// What stands on the ports where no ray is offered.
 const NO_RAY: QuantisedRay = QuantisedRay {
@@ -44,40 +39,6 @@ pub struct ExactRun<'a> {
     pub receiver_starts: u64,
     /// The memory.
     pub memory: AxiMemoryShape,
-}
-
-/// What a run came to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ExactSummary {
-    /// Cycles from the first ray's entry into the loop to the last hit's leaving.
-    pub cycles: u64,
-    /// Hits that left.
-    pub hits: u64,
-    /// What the machine counted.
-    pub counts: ExactCounts,
-    /// Bytes that came from the memory.
-    pub bytes: u64,
-    /// Cycles in which 64 or more rays had still to be offered, from the first ray's entry on.
-    pub busy_cycles: u64,
-    /// Trips begun in them.
-    pub busy_trips: u64,
-}
-
-impl ExactSummary {
-    /// Trips begun in a cycle while rays wait: 1 where the loop is always full.
-    pub fn occupancy(&self) -> f64 {
-        self.busy_trips as f64 / self.busy_cycles as f64
-    }
-
-    /// Cycles of a ray, in the mean.
-    pub fn cycles_per_ray(&self) -> f64 {
-        self.cycles as f64 / self.hits as f64
-    }
-
-    /// Lookups that found their line, of all.
-    pub fn hit_rate(&self) -> f64 {
-        self.counts.hits as f64 / (self.counts.hits + self.counts.misses) as f64
-    }
 }
 
 impl ExactHit {
@@ -109,12 +70,12 @@ impl ExactRun<'_> {
     pub fn run(
         &self,
         mut each: impl FnMut(&ExactMachine, &ExactInputs, &ExactOutputs) -> ControlFlow<()>,
-    ) -> ExactSummary {
+    ) -> RunSummary<ExactCounts> {
         let mut memory = AxiMemory::new(self.memory, self.shape.memory_words(self.lines));
         let mut machine = ExactMachine::new(self.shape.clone());
         let (mut gaps, mut stalls) = (self.gaps, self.stalls);
         let (mut taken, mut offers) = (0, false);
-        let mut summary = ExactSummary::default();
+        let mut summary = RunSummary::<ExactCounts>::default();
         let (mut first_entry, mut last_hit) = (None, 0);
         // More cycles than the rays need: nothing may leave the machine that never entered.
         let mut cycles_to_come = 64;

@@ -346,3 +346,33 @@ pub(super) fn no_place() -> (LeafTravel<F64Reading>, LeafCorner<F64Reading>) {
     };
     (travel, corner)
 }
+
+impl Default for Checking {
+    fn default() -> Self {
+        Checking {
+            walk: LeafWalk::default(),
+            ray: SlotRay::default(),
+            turns: 0,
+            ways: (0, 0),
+            travel: no_place().0,
+            corner: no_place().1,
+            refused: false,
+            at_border_u: false,
+            at_border_v: false,
+            way: 0,
+            slope: 0,
+        }
+    }
+}
+
+impl Default for SetUp {
+    fn default() -> Self {
+        SetUp {
+            busy: false,
+            turns: 0,
+            ray: SlotRay::default(),
+            u: no_division(),
+            v: no_division(),
+        }
+    }
+}

@@ -24,13 +24,14 @@ mod paper_run;
 mod paper_shape;
 mod read_port;
 mod recirculation;
+mod run_summary;
 mod stall;
 mod stream;
 
 pub use axi_memory::{AxiMemory, AxiMemoryOutputs, AxiMemoryShape};
 pub use declaration::{ClockedUnit, Declared, DeclaredKind, bits_for};
 pub use exact::{ExactCounts, ExactHit, ExactInputs, ExactMachine, ExactOutputs};
-pub use exact_run::{ExactRun, ExactSummary};
+pub use exact_run::ExactRun;
 pub use exact_shape::{EXACT_COUNTER_BITS, ExactEffort, ExactMachineShape, KEPT_NAMES};
 pub use exact_trip::{ExactTrip, exact_trip};
 pub use fifo::{Fifo, FifoField, FifoOutputs, FifoShape};
@@ -40,7 +41,7 @@ pub use height_cache::{
 pub use ledger::{HitLedger, HitReport};
 pub use occupancy::OccupancyOverTime;
 pub use paper::{PaperCounts, PaperInputs, PaperMachine, PaperOutputs};
-pub use paper_run::{PaperRun, PaperSummary};
+pub use paper_run::PaperRun;
 pub use paper_shape::{LOOKUP_STAGE, PaperShape};
 pub use read_port::{
     ADDRESS_BITS, AxiAddress, AxiBeat, BEAT_BYTES, ReadPort, ReadPortInputs, ReadPortOutputs,
@@ -49,5 +50,6 @@ pub use read_port::{
 pub use recirculation::{
     CycleInputs, CycleOutputs, ID_BITS, SetupEntry, StageEntry, TraverseMachine, UnitLatency,
 };
+pub use run_summary::{Lookups, RunSummary};
 pub use stall::StallPattern;
 pub use stream::{StreamMachine, StreamOutputs};

@@ -17,6 +17,7 @@ use super::fifo::Fifo;
 use super::height_cache::{HeightCache, HeightCacheInputs};
 use super::paper_shape::{COUNTER_BITS, PaperShape};
 use super::read_port::{AxiAddress, AxiBeat, ReadPort, ReadPortInputs, ReadPortOutputs};
+use super::run_summary::Lookups;
 use crate::maps::Pyramid;
 use crate::ray::Ray;
 use crate::readings::{Traced, Word};
@@ -101,6 +102,12 @@ pub struct PaperCounts {
     pub misses: u64,
     /// Lines fetched.
     pub lines_fetched: u64,
+}
+
+impl Lookups for PaperCounts {
+    fn hits_and_misses(&self) -> (u64, u64) {
+        (self.hits, self.misses)
+    }
 }
 
 /// What stands in a stage, and all that is computed from it.

@@ -5,16 +5,11 @@ use std::ops::ControlFlow;
 use super::axi_memory::{AxiMemory, AxiMemoryShape};
 use super::paper::{PaperCounts, PaperInputs, PaperMachine, PaperOutputs};
 use super::paper_shape::PaperShape;
+use super::run_summary::{PATIENCE, RunSummary, WAITING};
 use super::stall::StallPattern;
 use crate::maps::Pyramid;
 use crate::ray::Ray;
 use crate::readings::Word;
-
-/// With so many rays still to be offered the loop should be full.
-const WAITING: usize = 64;
-
-/// Cycles without a hit after which a run gives up: a memory that answers is never so slow.
-const PATIENCE: u64 = 1 << 20;
 
 /// Rays to be sent through the paper's unit, and how.
 #[derive(Clone, Debug)]
@@ -35,40 +30,6 @@ pub struct PaperRun<'a> {
     pub pass_cycles: u32,
 }
 
-/// What a run came to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PaperSummary {
-    /// Cycles from the first ray's entry into the loop to the last hit's leaving.
-    pub cycles: u64,
-    /// Hits that left.
-    pub hits: u64,
-    /// What the unit counted.
-    pub counts: PaperCounts,
-    /// Bytes that came from the memory.
-    pub bytes: u64,
-    /// Cycles in which 64 or more rays had still to be offered, from the first ray's entry on.
-    pub busy_cycles: u64,
-    /// Passes begun in them.
-    pub busy_passes: u64,
-}
-
-impl PaperSummary {
-    /// Passes begun in a cycle while rays wait: 1 where the loop is always full.
-    pub fn occupancy(&self) -> f64 {
-        self.busy_passes as f64 / self.busy_cycles as f64
-    }
-
-    /// Cycles of a ray, in the mean.
-    pub fn cycles_per_ray(&self) -> f64 {
-        self.cycles as f64 / self.hits as f64
-    }
-
-    /// Lookups that found their height, of all.
-    pub fn hit_rate(&self) -> f64 {
-        self.counts.hits as f64 / (self.counts.hits + self.counts.misses) as f64
-    }
-}
-
 impl PaperRun<'_> {
     /// Cycles in reset before cycle 0: enough for every stage to fill with what stands in an empty
     /// FIFO 0.
@@ -82,14 +43,14 @@ impl PaperRun<'_> {
         &self,
         reading: R,
         mut each: impl FnMut(&PaperMachine<R>, &PaperInputs, &PaperOutputs) -> ControlFlow<()>,
-    ) -> PaperSummary {
+    ) -> RunSummary<PaperCounts> {
         let words = PaperMachine::<R>::memory_words(&self.shape, self.pyramid);
         let mut memory = AxiMemory::new(self.memory, words);
         let mut machine =
             PaperMachine::new(reading, self.shape.clone(), self.pyramid, self.pass_cycles);
         let (mut gaps, mut stalls) = (self.gaps, self.stalls);
         let (mut taken, mut offers) = (0, false);
-        let mut summary = PaperSummary::default();
+        let mut summary = RunSummary::<PaperCounts>::default();
         let (mut first_entry, mut last_hit) = (None, 0);
         // A few cycles more than the rays need: nothing may leave the unit that never entered.
         let mut cycles_to_come = u64::from(self.pass_cycles) + 4;
@@ -122,7 +83,7 @@ impl PaperRun<'_> {
             }
             if first_entry.is_some() && self.rays.len() - taken >= WAITING {
                 summary.busy_cycles += 1;
-                summary.busy_passes += u64::from(outputs.admits || outputs.recirculates);
+                summary.busy_trips += u64::from(outputs.admits || outputs.recirculates);
             }
             if offers && outputs.ray_ready {
                 taken += 1;

@@ -2,12 +2,13 @@
 
 use std::time::Instant;
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 
 use hdl_gen::emit::write_design;
 use hdl_gen::fault::plant;
-use hdl_gen::verify::{Comparison, FoundSimulator, PaperDesign};
+use hdl_gen::verify::{ClockedRun, Comparison, FoundSimulator, PaperDesign};
 use rtl_model::float::FloatFormat;
+use rtl_model::machine::PaperRun;
 use rtl_model::readings::E7F16;
 use rtl_model::scene::{Machine, MachineKind, Scene};
 
@@ -45,7 +46,8 @@ pub fn verify(arguments: &Arguments, scene: &Scene, machine: &Machine) -> anyhow
     let run = subject.run(stalls);
     let start = Instant::now();
     if let FoundSimulator::Verilator(verilator) = &simulator {
-        verilator.build(&subject.unit.design, &design.plan(&run), false)?;
+        let build = |run: &ClockedRun<'_>| verilator.build(run.unit, &run.plan(), false);
+        compare(&design, &run, subject.format, build)?;
     }
     let build_seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
@@ -54,15 +56,21 @@ pub fn verify(arguments: &Arguments, scene: &Scene, machine: &Machine) -> anyhow
             "--sim icarus: machines are compared by Verilator or the embedded simulator; take \
              --sim verilator or --sim embedded"
         ),
-        FoundSimulator::Embedded => compare(&design, &run, subject.format, None, &|_| ()),
+        FoundSimulator::Embedded => compare(&design, &run, subject.format, |run| run.embedded())?,
         FoundSimulator::Verilator(verilator) => {
             let bar = progress::bar(report.cycles(), "cycles");
             let advance = |cycles| bar.set_position(cycles);
-            let compared = compare(&design, &run, subject.format, Some(verilator), &advance);
+            let compared = compare(&design, &run, subject.format, |run| {
+                run.verilator(verilator, None, advance)
+            });
             bar.finish_and_clear();
-            compared
+            compared?
         }
-    }?;
+    };
+    let comparison = Comparison {
+        guards: report.guards,
+        ..comparison
+    };
     let unit = &subject.unit.design;
     let mut files = Vec::new();
     if let Some(folder) = folder {
@@ -106,22 +114,16 @@ fn golden(subject: &PaperScene, stalls: Option<u16>) -> MachineReport {
     }
 }
 
-fn compare(
+/// The comparison of a run, in the format the unit is made for where it is known when this is
+/// compiled.
+fn compare<T>(
     design: &PaperDesign,
-    run: &rtl_model::machine::PaperRun<'_>,
+    run: &PaperRun<'_>,
     format: FloatFormat,
-    verilator: Option<&hdl_gen::verify::Verilator>,
-    progress: &dyn Fn(u64),
-) -> anyhow::Result<Comparison> {
-    let compared = match (verilator, format) {
-        (None, FloatFormat::E7F16) => design.embedded(run, E7F16)?,
-        (None, other) => design.embedded(run, other)?,
-        (Some(verilator), FloatFormat::E7F16) => {
-            design.verilator(verilator, run, E7F16, None, progress)?
-        }
-        (Some(verilator), other) => design.verilator(verilator, run, other, None, progress)?,
-    };
-    (compared.cycles > 0)
-        .then_some(compared)
-        .context("the machine did not run: no cycle was compared")
+    with: impl FnOnce(&ClockedRun<'_>) -> T,
+) -> T {
+    match format {
+        FloatFormat::E7F16 => design.compare(run, E7F16, with),
+        other => design.compare(run, other, with),
+    }
 }
