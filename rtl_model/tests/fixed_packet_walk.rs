@@ -1,5 +1,5 @@
 //! Fixed-point rays in packets against the walk of the definition, one at a time: every hit the same
-//! in every field, bit for bit, on both instruction sets.
+//! in every field, bit for bit, on every instruction set that there is.
 
 use proptest::prelude::*;
 use rtl_model::calibration::{CAMERAS, SURFACES, real_maps};
