@@ -121,7 +121,7 @@ impl HeightCacheShape {
         }
     }
 
-    /// Ports and registers, in the order of the words of [`ClockedUnit`].
+    /// Ports and registers, in the order of the words of [`ClockedUnit`](crate::machine::ClockedUnit).
     pub fn declaration(&self) -> Vec<Declared> {
         let pointer = bits_for(self.pending);
         let mut signals = vec![
