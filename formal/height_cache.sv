@@ -1,5 +1,6 @@
 // The height cache: a hit answers with what the memory has at the address, no line is asked for
-// while it is on its way, and no more lines are on their way than there are slots.
+// while it is on its way, no more lines are on their way than there are slots, and none is pushed
+// out before it has been hit: so who asks until he is answered is answered.
 //
 // The height that is watched is any one: the solver chooses its address and what the memory has
 // there. The memory answers in the order it is asked, as late as it likes.
@@ -83,16 +84,24 @@ module height_cache_properties (
         end
     end
 
-    // The watched height was fetched, pushed out by another line, fetched again, and found.
-    reg [1:0] found = 2'd0;
-    reg       was_pushed_out = 1'b0;
-    wire      finds = started && asked_for_watched && hit;
+    // Of two lines, the low bit of a line's number is its index. An index whose line has come and
+    // not been hit since asks for nothing.
+    reg [1:0] unserved = 2'd0;
+    reg       looked_up_index = 1'b0;
     always @(posedge clk_i) begin
-        if (finds && found == 2'd0) found <= 2'd1;
-        if (found == 2'd1 && asked_for_watched && !hit) was_pushed_out <= 1'b1;
+        looked_up_index <= lookup_address_i[4];
+        if (ends) unserved[line_0[0]] <= 1'b1;
+        if (started && hit) unserved[looked_up_index] <= 1'b0;
     end
+    always @* if (asks) assert (!unserved[fetch_line[0]]);
+    always @* cover (asks && unserved == 2'd2);
+
+    // The watched height was fetched, found, and pushed out by another line.
+    reg  was_found = 1'b0;
+    wire finds = started && asked_for_watched && hit;
+    always @(posedge clk_i) if (finds) was_found <= 1'b1;
     always @* cover (finds);
-    always @* cover (finds && was_pushed_out);
+    always @* cover (was_found && asked_for_watched && !hit && !beat_valid_i && on_their_way == 3'd0);
     always @* cover (started && on_their_way == SLOTS);
 endmodule
 

@@ -29,32 +29,46 @@ fn main() -> Result<(), Box<dyn Error>> {
         write_design(&plant(&design, faulty_signal, 0)?, &folder.join("faulty"))?;
     }
     write_design(&paper_machine(), &folder)?;
-    let sound = std::fs::read_to_string(folder.join("paper_loop.v"))?;
-    for (fault, line, faulty_line) in LOOP_FAULTS {
+    for (fault, design, line, faulty_line) in FAULTS {
+        let sound = std::fs::read_to_string(folder.join(design))?;
         if sound.matches(line).count() != 1 {
-            return Err(format!("paper_loop.v has no line to plant a fault in: {line}").into());
+            return Err(format!("{design} has no line to plant a fault in: {line}").into());
         }
         let folder = folder.join(fault);
         std::fs::create_dir_all(&folder)?;
-        std::fs::write(
-            folder.join("paper_loop.v"),
-            sound.replace(line, faulty_line),
-        )?;
+        std::fs::write(folder.join(design), sound.replace(line, faulty_line))?;
     }
     Ok(())
 }
 
-/// Faults of the paper's loop, more exact than an inverted signal: a controller that lets in one
-/// ray too many, a ray that is dropped where it should go round, and one that takes the id of the
-/// ray behind it.
-const LOOP_FAULTS: [(&str, &str, &str); 3] = [
-    ("overbooked", "rays_inside < 3'd4", "rays_inside < 3'd5"),
+/// Faults more exact than an inverted signal: a controller that lets in one ray too many, a ray that
+/// is dropped where it should go round, one that takes the id of the ray behind it; and a line that
+/// may be pushed out as soon as it has come.
+const FAULTS: [(&str, &str, &str, &str); 4] = [
+    (
+        "overbooked",
+        "paper_loop.v",
+        "rays_inside < 3'd4",
+        "rays_inside < 3'd5",
+    ),
     (
         "dropped",
+        "paper_loop.v",
         "valid_s0 <= recirculates | admits;",
         "valid_s0 <= admits;",
     ),
-    ("mixed", "id_s5  <= id_s4;", "id_s5  <= id_s3;"),
+    (
+        "mixed",
+        "paper_loop.v",
+        "id_s5  <= id_s4;",
+        "id_s5  <= id_s3;",
+    ),
+    (
+        "unserved",
+        "height_cache.v",
+        "serves_0           = hit_o & ",
+        "serves_0           = ",
+    ),
 ];
 
 /// Each block with the signal that is inverted in its faulty twin.

@@ -6,6 +6,7 @@ mod bench;
 #[path = "common/tools.rs"]
 mod tools;
 
+use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use std::process::Command;
 use std::sync::Arc;
@@ -155,6 +156,7 @@ fn cached(shape: &HeightCacheShape, which: Which, stalls: Option<u16>, cycles: u
             let mut memory = AxiMemory::new(memory, words);
             let mut port = ReadPort::new(port_shape.clone());
             let mut cache = HeightCache::new(shape.clone());
+            let (mut looked_up, mut missed) = (VecDeque::new(), VecDeque::new());
             let mut receiver = match stalls {
                 Some(seed) => StallPattern::one_in_eight(seed ^ 0x1234),
                 None => StallPattern::never(),
@@ -181,19 +183,38 @@ fn cached(shape: &HeightCacheShape, which: Which, stalls: Option<u16>, cycles: u
                     }
                 }
                 let outputs = port.outputs(&inputs);
-                // A few lines that come often, some that share their index, and all others.
-                let line = match random.next() & 3 {
-                    0 | 1 => random.next() & 7,
-                    2 => random.next() & 0x33,
-                    _ => random.next() & 0x1ff,
+                // What missed is asked for again until it hits, sooner or later.
+                if asked.answer_valid {
+                    let address = looked_up.pop_front().expect("an answer to a lookup");
+                    if !asked.hit {
+                        missed.push_back(address);
+                    }
+                }
+                let again = missed.len() >= 12 || random.chance(4);
+                let address = match missed.front() {
+                    Some(&address) if again => address,
+                    _ => {
+                        // A few lines that come often, some that share their index, all others.
+                        let line = match random.next() & 3 {
+                            0 | 1 => random.next() & 7,
+                            2 => random.next() & 0x33,
+                            _ => random.next() & 0x1ff,
+                        };
+                        match shape.answer {
+                            CacheAnswer::Height => line << 4 | random.next() & 15,
+                            CacheAnswer::Line => line,
+                        }
+                    }
                 };
-                let offset = random.next() & 15;
-                let address = match shape.answer {
-                    CacheAnswer::Height => line << 4 | offset,
-                    CacheAnswer::Line => line,
-                };
+                let looks_up = random.chance(7);
+                if looks_up && asked.lookup_ready {
+                    looked_up.push_back(address);
+                    if missed.front() == Some(&address) {
+                        missed.pop_front();
+                    }
+                }
                 let cache_driven = [
-                    u64::from(random.chance(7)),
+                    u64::from(looks_up),
                     address,
                     outputs.request_ready.into(),
                     (outputs.beat_valid && beat_ready).into(),
@@ -246,7 +267,7 @@ fn blocks() -> Vec<(Block, u64)> {
     let line_16 = cache_shape(CacheAnswer::Line, 16, 2);
     let height_8 = cache_shape(CacheAnswer::Height, 8, 2);
     let height_16 = HeightCacheShape {
-        lines: 2,
+        lines: 8,
         pending: 8,
         counters: false,
         ..cache_shape(CacheAnswer::Height, 16, 1)

@@ -1,5 +1,5 @@
 //! The height cache in Verilog: memories of tags and of heights, read into registers, behind which
-//! the tag is compared; and slots for the lines that are on their way.
+//! the tag is compared; and slots for the lines that are on their way or have not served yet.
 
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ pub fn height_cache(shape: &HeightCacheShape) -> Arc<Module> {
     let next = plus_bit(b, swept, is_sweeping);
     b.connect(swept, next);
 
-    b.section("the lines on their way");
+    b.section("the lines on their way, and those that have not been hit since");
     let slots = Slots::build(b, &mut signals, shape);
 
     b.section("what is written: a line's beats, or a tag to be cleared");
@@ -113,41 +113,35 @@ pub fn height_cache(shape: &HeightCacheShape) -> Arc<Module> {
         CacheAnswer::Height => vec![one_height(b, shape, read[2], address)],
     };
 
-    b.section("a miss: its line is noted, unless it is already, or there is no room");
+    b.section("a miss: its line is noted, unless one of its index is already, or there is no room");
     let not_hit = b.not(hit);
     let missed = b.and(answer_valid, not_hit);
-    let is_noted = slots.hold(b, line);
+    let index = b.slice(line, index_bits - 1, 0);
+    let of_index = slots.of_index(b, index);
+    let is_noted = b.any_bit(of_index);
     let is_new = b.not(is_noted);
-    let is_full = slots.are_full(b);
-    let has_room = b.not(is_full);
+    let is_used = slots.is_next_used(b, signals.get("note_pointer"));
+    let has_room = b.not(is_used);
     let notes = b.and(missed, is_new);
     let notes = b.and(notes, has_room);
     signals.wire(b, "notes", notes);
 
-    b.section("noted, asked for, filled, free again");
+    b.section("noted, asked for, filled; free again with the first hit");
     let unasked = signals.register(b, "unasked");
     let fetch_valid = b.any_bit(unasked);
     let asks = b.and(fetch_valid, signals.get("fetch_ready_i"));
     up_and_down(b, unasked, notes, asks);
-    // Lookups that did not see the line yet are answered before its slot is free.
-    let mut filled = fills;
-    for stage in 1..=shape.latency {
-        let register = signals.register(b, &format!("filled_s{stage}"));
-        b.connect(register, filled);
-        filled = register;
-    }
     for (pointer, enable) in [
         ("note_pointer", notes),
         ("fetch_pointer", asks),
         ("fill_pointer", fills),
-        ("free_pointer", filled),
     ] {
         let pointer = signals.get(pointer);
         let next = next_number(b, pointer);
         b.connect_enabled(pointer, next, enable);
     }
     let fetch_line = slots.line_at(b, signals.get("fetch_pointer"));
-    slots.connect(b, &signals, line, notes, filled);
+    slots.connect(b, &mut signals, line, [notes, fills, hit], of_index);
 
     signals.output(b, "lookup_ready_o", is_ready);
     signals.output(b, "answer_valid_o", answer_valid);
@@ -181,7 +175,10 @@ fn describe(b: &mut Builder, shape: &HeightCacheShape) {
             cycles => format!("{cycles} cycles"),
         }
     ));
-    b.describe("A miss fetches the line, unless it is on its way or no slot is free.");
+    b.describe(
+        "A miss fetches the line, unless one of its index is on its way or no slot is free.",
+    );
+    b.describe("No line is pushed out before its first hit: ask again for what you asked for.");
     b.describe("golden: rtl_model::machine::HeightCache");
     b.set_latency(shape.latency);
     for (name, value, reason) in [
@@ -200,7 +197,7 @@ fn describe(b: &mut Builder, shape: &HeightCacheShape) {
         (
             "PENDING",
             shape.pending,
-            "lines on their way, at most: slots",
+            "lines on their way or not yet hit, at most: slots",
         ),
     ] {
         b.localparam(name, value.into(), reason);
@@ -274,9 +271,10 @@ fn one_height(b: &mut Builder, shape: &HeightCacheShape, word: Wire, address: Wi
     word
 }
 
-/// The slots of the lines on their way, used in turn.
+/// The slots of the lines on their way or not yet hit, filled in turn.
 struct Slots {
     valid: Vec<Wire>,
+    filled: Vec<Wire>,
     lines: Vec<Wire>,
 }
 
@@ -285,74 +283,90 @@ impl Slots {
         let names = |name: &'static str| (0..shape.pending).map(move |k| format!("{name}_{k}"));
         let valid = names("slot_valid").map(|name| signals.register(b, &name));
         let valid = valid.collect();
+        let filled = names("slot_filled").map(|name| signals.register(b, &name));
+        let filled = filled.collect();
         let lines = names("slot_line").map(|name| signals.register(b, &name));
         let lines = lines.collect();
-        for name in [
-            "note_pointer",
-            "fetch_pointer",
-            "fill_pointer",
-            "free_pointer",
-        ] {
+        for name in ["note_pointer", "fetch_pointer", "fill_pointer"] {
             signals.register(b, name);
         }
-        Slots { valid, lines }
+        Slots {
+            valid,
+            filled,
+            lines,
+        }
     }
 
     /// The line in the slot that a pointer points to.
     fn line_at(&self, b: &mut Builder, pointer: Wire) -> Wire {
-        let mut lines = self.lines.clone();
-        for bit in 0..b.width(pointer) {
-            let select = b.bit(pointer, bit);
-            let pairs: Vec<Wire> = lines
-                .chunks(2)
-                .map(|pair| b.mux(select, pair[1], pair[0]))
-                .collect();
-            lines = pairs;
-        }
-        lines[0]
+        pointed_to(b, &self.lines, pointer)
     }
 
-    /// Is the line in a slot?
-    fn hold(&self, b: &mut Builder, line: Wire) -> Wire {
+    /// Is the slot that the next line noted would take still used?
+    fn is_next_used(&self, b: &mut Builder, note_pointer: Wire) -> Wire {
+        pointed_to(b, &self.valid, note_pointer)
+    }
+
+    /// The slots with a line of an index, a bit each, the last in the high bit.
+    fn of_index(&self, b: &mut Builder, index: Wire) -> Wire {
+        let high = b.width(index) - 1;
         let each: Vec<Wire> = self
             .valid
             .iter()
             .zip(&self.lines)
+            .rev()
             .map(|(&valid, &held)| {
-                let same = b.equal(held, line);
+                let held = b.slice(held, high, 0);
+                let same = b.equal(held, index);
                 b.and(valid, same)
             })
             .collect();
-        let together = b.concat(&each);
-        b.any_bit(together)
-    }
-
-    /// Is none free?
-    fn are_full(&self, b: &mut Builder) -> Wire {
-        let together = b.concat(&self.valid);
-        b.all_bits(together)
+        b.concat(&each)
     }
 
     fn connect(
         &self,
         b: &mut Builder,
-        signals: &DeclaredSignals,
+        signals: &mut DeclaredSignals,
         line: Wire,
-        notes: Wire,
-        frees: Wire,
+        [notes, fills, hit]: [Wire; 3],
+        of_index: Wire,
     ) {
-        let (note, free) = (signals.get("note_pointer"), signals.get("free_pointer"));
-        for (number, (&valid, &held)) in (0u64..).zip(self.valid.iter().zip(&self.lines)) {
-            let number = b.constant(number, b.width(note));
+        let (note, fill) = (signals.get("note_pointer"), signals.get("fill_pointer"));
+        for slot in 0..self.valid.len() {
+            let (valid, filled, held) = (self.valid[slot], self.filled[slot], self.lines[slot]);
+            let number = b.constant(slot as u64, b.width(note));
             let is_next = b.equal(note, number);
             let takes = b.and(notes, is_next);
-            let is_freed = b.equal(free, number);
-            let leaves = b.and(frees, is_freed);
-            let stays = b.not(leaves);
+            let is_filling = b.equal(fill, number);
+            let is_full = b.and(fills, is_filling);
+            // The first hit of an index whose line is whole is a hit of that line.
+            let is_of_index = b.bit(of_index, slot as u32);
+            let serves = b.and(hit, is_of_index);
+            let serves = b.and(serves, filled);
+            signals.wire(b, &format!("serves_{slot}"), serves);
+            let stays = b.not(serves);
             let stays = b.and(valid, stays);
             let next = b.or(takes, stays);
             b.connect(valid, next);
+            let whole = b.or(filled, is_full);
+            let waits = b.not(takes);
+            let next = b.and(whole, waits);
+            b.connect(filled, next);
             b.connect_enabled(held, line, takes);
         }
     }
+}
+
+/// The wire that a pointer points to.
+fn pointed_to(b: &mut Builder, wires: &[Wire], pointer: Wire) -> Wire {
+    let mut wires = wires.to_vec();
+    for bit in 0..b.width(pointer) {
+        let select = b.bit(pointer, bit);
+        wires = wires
+            .chunks(2)
+            .map(|pair| b.mux(select, pair[1], pair[0]))
+            .collect();
+    }
+    wires[0]
 }

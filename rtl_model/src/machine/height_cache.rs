@@ -3,14 +3,19 @@
 //!
 //! Direct mapped, lines of 16 heights. The low bits of a line's number are its index, the rest its
 //! tag. In the cycle of a lookup the tag and the heights at the index are read into registers,
-//! behind which the tag is compared. A miss takes note of the line, unless it is noted already or
-//! there is no room; the lines noted are fetched one after the other, and arrive in that order.
+//! behind which the tag is compared. A miss takes note of the line, unless a line of its index is
+//! noted already or there is no room; the lines noted are fetched one after the other, and arrive in
+//! that order.
+//!
+//! A line stays noted until it has been hit once, so that none is pushed out before it has served:
+//! who looks up again until he hits gets on, whatever others ask for and however fast the memory
+//! is. Who asks for a line must therefore come back for it, or its slot is never free again.
 
 mod shape;
 
 use super::declaration::{ClockedUnit, Declared};
 
-use shape::{COUNTER_BITS, WORD_BITS};
+use shape::{COUNTER_BITS, MOST_PENDING, WORD_BITS};
 pub use shape::{CacheAnswer, HeightCacheShape, LINE_HEIGHTS};
 
 /// What a height cache's input ports carry in a cycle.
@@ -58,12 +63,22 @@ struct Read {
     words: [u64; 4],
 }
 
+/// A line that is noted.
+#[derive(Clone, Copy, Debug, Default)]
+struct Slot {
+    /// It has not been hit since it was noted.
+    valid: bool,
+    /// It is whole and can be hit.
+    filled: bool,
+    line: u64,
+}
+
 /// A height cache.
 ///
 /// A line becomes visible in the cycle after the one in which its last beat arrives. With its
 /// first beat the line that stood at its index is gone. A lookup of an index that is written in
-/// the same cycle misses. A line counts as noted until every lookup that could not yet see it has
-/// been answered, so that none is fetched twice.
+/// the same cycle misses. A line counts as noted until it is hit, and so until every lookup that
+/// could not yet see it has been answered: none is fetched twice.
 #[derive(Clone, Debug)]
 pub struct HeightCache {
     shape: HeightCacheShape,
@@ -75,15 +90,12 @@ pub struct HeightCache {
     /// Lookups by their age, the youngest first; `latency` of them.
     reads: [Read; 2],
     /// The last lines noted, by their number modulo `pending`.
-    noted_lines: Vec<u64>,
-    /// Lines noted, asked for, filled and done with since reset.
+    slots: [Slot; MOST_PENDING],
+    /// Lines noted, asked for and filled since reset.
     noted: u64,
     asked: u64,
     filled: u64,
-    freed: u64,
     beat: u32,
-    /// Was a line filled one cycle ago, and two?
-    just_filled: [bool; 2],
     hits: u64,
     misses: u64,
 }
@@ -103,13 +115,11 @@ impl HeightCache {
                 collided: true,
                 ..Read::default()
             }; 2],
-            noted_lines: vec![0; shape.pending as usize],
+            slots: [Slot::default(); MOST_PENDING],
             noted: 0,
             asked: 0,
             filled: 0,
-            freed: 0,
             beat: 0,
-            just_filled: [false; 2],
             hits: 0,
             misses: 0,
             shape,
@@ -158,6 +168,13 @@ impl HeightCache {
         read.valid && !read.collided && read.stored_valid && read.stored_tag == tag
     }
 
+    /// Is a hit in this cycle one of the line in this slot? The first of an index whose line is
+    /// whole is.
+    fn is_hit_of(&self, slot: &Slot) -> bool {
+        let index = self.index(self.line(self.answered().address));
+        slot.valid && slot.filled && self.index(slot.line) == index
+    }
+
     /// What the output ports carry in this cycle.
     pub fn outputs(&self) -> HeightCacheOutputs {
         let read = self.answered();
@@ -176,13 +193,14 @@ impl HeightCache {
             hit: self.is_hit(read),
             heights,
             fetch_valid: self.asked < self.noted,
-            fetch_line: self.noted_lines[self.slot(self.asked)],
+            fetch_line: self.slots[self.slot(self.asked)].line,
         }
     }
 
-    /// Is a line noted, as this cycle sees it?
-    fn is_noted(&self, line: u64) -> bool {
-        (self.freed..self.noted).any(|count| self.noted_lines[self.slot(count)] == line)
+    /// Is a line of this index noted?
+    fn is_noted(&self, index: usize) -> bool {
+        let mut slots = self.slots.iter();
+        slots.any(|slot| slot.valid && self.index(slot.line) == index)
     }
 
     /// The rising edge at the end of a cycle.
@@ -190,19 +208,26 @@ impl HeightCache {
         let outputs = self.outputs();
         let answered = *self.answered();
         // What of the past is decided in this cycle.
-        let missing = self.line(answered.address);
+        let looked_up = self.line(answered.address);
         let notes = self.notes();
         self.hits += u64::from(outputs.hit);
         self.misses += u64::from(outputs.answer_valid && !outputs.hit);
 
+        if outputs.hit {
+            for slot in 0..self.slots.len() {
+                self.slots[slot].valid &= !self.is_hit_of(&self.slots[slot]);
+            }
+        }
         self.look_up(inputs, outputs.lookup_ready);
-        self.freed += u64::from(self.just_filled[self.shape.latency as usize - 1]);
-        let full = self.take_beat(inputs);
-        self.just_filled = [full, self.just_filled[0]];
+        self.take_beat(inputs);
         self.asked += u64::from(outputs.fetch_valid && inputs.fetch_ready);
         if notes {
             let slot = self.slot(self.noted);
-            self.noted_lines[slot] = missing;
+            self.slots[slot] = Slot {
+                valid: true,
+                filled: false,
+                line: looked_up,
+            };
             self.noted += 1;
         }
     }
@@ -210,9 +235,9 @@ impl HeightCache {
     /// Is the line of the lookup that is answered in this cycle taken note of?
     fn notes(&self) -> bool {
         let answered = self.answered();
-        let room = self.noted - self.freed < u64::from(self.shape.pending);
+        let room = !self.slots[self.slot(self.noted)].valid;
         let missed = answered.valid && !self.is_hit(answered);
-        missed && room && !self.is_noted(self.line(answered.address))
+        missed && room && !self.is_noted(self.index(self.line(answered.address)))
     }
 
     /// The index that is written in this cycle: a tag is cleared, or a beat arrives.
@@ -220,7 +245,7 @@ impl HeightCache {
         if self.swept < self.shape.lines {
             return Some(self.swept as usize);
         }
-        let filling = self.noted_lines[self.slot(self.filled)];
+        let filling = self.slots[self.slot(self.filled)].line;
         inputs.beat_valid.then(|| self.index(filling))
     }
 
@@ -250,25 +275,26 @@ impl HeightCache {
         self.reads = [read, self.reads[0]];
     }
 
-    /// Writes a beat, or clears a tag; answers whether a line is full.
-    fn take_beat(&mut self, inputs: &HeightCacheInputs) -> bool {
+    /// Writes a beat, or clears a tag.
+    fn take_beat(&mut self, inputs: &HeightCacheInputs) {
         if self.swept < self.shape.lines {
             self.tags[self.swept as usize] = (false, 0);
             self.swept += 1;
-            return false;
+            return;
         }
         if !inputs.beat_valid {
-            return false;
+            return;
         }
-        let line = self.noted_lines[self.slot(self.filled)];
+        let slot = self.slot(self.filled);
+        let line = self.slots[slot].line;
         let index = self.index(line);
         let beats = self.shape.beats();
         self.words[index * beats as usize + self.beat as usize] = inputs.beat_data;
         let last = self.beat + 1 == beats;
         self.tags[index] = (last, line >> self.shape.index_bits());
         self.beat = (self.beat + 1) % beats;
+        self.slots[slot].filled = last;
         self.filled += u64::from(last);
-        last
     }
 }
 
@@ -319,21 +345,16 @@ impl ClockedUnit for HeightCache {
             ]);
             words.extend(&read.words[..self.shape.words_read() as usize]);
         }
-        for (slot, &line) in self.noted_lines.iter().enumerate() {
-            let valid = (self.freed..self.noted).any(|count| self.slot(count) == slot);
-            words.extend([u64::from(valid), line]);
+        for slot in &self.slots[..self.shape.pending as usize] {
+            let serves = outputs.hit && self.is_hit_of(slot);
+            let bits = [slot.valid, slot.filled, serves].map(u64::from);
+            words.extend(bits.into_iter().chain([slot.line]));
         }
-        for count in [self.noted, self.asked, self.filled, self.freed] {
+        for count in [self.noted, self.asked, self.filled] {
             words.push(self.slot(count) as u64);
         }
         words.push(self.noted - self.asked);
         words.push(self.beat.into());
-        let latency = self.shape.latency as usize;
-        words.extend(
-            self.just_filled[..latency]
-                .iter()
-                .map(|&filled| u64::from(filled)),
-        );
     }
 
     fn clock(&mut self, driven: &[u64]) {
@@ -434,6 +455,55 @@ mod tests {
         }
     }
 
+    /// Twelve who ask in turn, each for the same until it hits.
+    struct Askers {
+        answer: CacheAnswer,
+        state: u64,
+        addresses: [u64; 12],
+        asked: usize,
+        answered: usize,
+    }
+
+    impl Askers {
+        fn new(answer: CacheAnswer) -> Askers {
+            let mut askers = Askers {
+                answer,
+                state: 7,
+                addresses: [0; 12],
+                asked: 0,
+                answered: 0,
+            };
+            askers.addresses = std::array::from_fn(|_| askers.draw());
+            askers
+        }
+
+        fn draw(&mut self) -> u64 {
+            let state = self.state.wrapping_mul(6364136223846793005);
+            self.state = state.wrapping_add(1442695040888963407);
+            // Lines that collide, and among them a few that come often.
+            let lines = [0xff, 0x33][(self.state >> 63) as usize];
+            let line = self.state >> 40 & lines;
+            match self.answer {
+                CacheAnswer::Height => line << 4 | self.state >> 50 & 15,
+                CacheAnswer::Line => line,
+            }
+        }
+
+        fn address(&mut self) -> u64 {
+            let asker = self.asked % self.addresses.len();
+            self.asked += 1;
+            self.addresses[asker]
+        }
+
+        fn answered(&mut self, hit: bool) {
+            let asker = self.answered % self.addresses.len();
+            self.answered += 1;
+            if hit {
+                self.addresses[asker] = self.draw();
+            }
+        }
+    }
+
     #[test]
     fn a_miss_fetches_a_line_once_and_later_lookups_hit() {
         for latency in [1, 2] {
@@ -471,50 +541,43 @@ mod tests {
         ] {
             let mut bench = Bench::new(shape(answer, height_bits, latency), Some(0xbeef));
             bench.sweep();
-            let mut state = 7u64;
             let mut addresses = std::collections::VecDeque::new();
+            let mut askers = Askers::new(answer);
             for _ in 0..20_000 {
-                state = state
-                    .wrapping_mul(6364136223846793005)
-                    .wrapping_add(1442695040888963407);
-                // Lines that collide, and among them a few that come often.
-                let line = if state >> 63 == 0 {
-                    state >> 40 & 0x33
-                } else {
-                    state >> 40 & 0xff
-                };
-                let address = match answer {
-                    CacheAnswer::Height => line << 4 | state >> 50 & 15,
-                    CacheAnswer::Line => line,
-                };
+                let address = askers.address();
                 let outputs = bench.cycle(Some(address));
-                if outputs.answer_valid {
-                    let address: u64 = addresses.pop_front().unwrap();
-                    if outputs.hit && answer == CacheAnswer::Height {
-                        assert_eq!(outputs.heights[0], bench.height(address));
-                    } else if outputs.hit {
-                        let beats = bench.cache.shape.beats() as usize;
-                        let words = &bench.words[address as usize * beats..][..beats];
-                        assert_eq!(&outputs.heights[..beats], words);
-                    }
-                }
                 addresses.push_back(address);
+                if !outputs.answer_valid {
+                    continue;
+                }
+                let address: u64 = addresses.pop_front().unwrap();
+                askers.answered(outputs.hit);
+                if outputs.hit && answer == CacheAnswer::Height {
+                    assert_eq!(outputs.heights[0], bench.height(address));
+                } else if outputs.hit {
+                    let beats = bench.cache.shape.beats() as usize;
+                    let words = &bench.words[address as usize * beats..][..beats];
+                    assert_eq!(&outputs.heights[..beats], words);
+                }
             }
             assert!(bench.cache.hits() > 500 && bench.cache.fetches() > 1000);
         }
     }
 
     #[test]
-    fn no_line_is_noted_twice_and_none_beyond_the_room() {
+    fn no_index_is_noted_twice_and_none_beyond_the_room() {
         let mut bench = Bench::new(shape(CacheAnswer::Line, 8, 2), Some(3));
         bench.sweep();
+        let mut askers = Askers::new(CacheAnswer::Line);
         let mut most = 0;
-        for cycle in 0..5000u64 {
-            bench.cycle(Some(cycle * cycle * 7 % 251));
-            let cache = &bench.cache;
-            let mut noted: Vec<u64> = (cache.freed..cache.noted)
-                .map(|count| cache.noted_lines[cache.slot(count)])
-                .collect();
+        for _ in 0..5000 {
+            let address = askers.address();
+            let outputs = bench.cycle(Some(address));
+            if outputs.answer_valid {
+                askers.answered(outputs.hit);
+            }
+            let slots = bench.cache.slots.iter().filter(|slot| slot.valid);
+            let mut noted: Vec<u64> = slots.map(|slot| slot.line % 16).collect();
             most = most.max(noted.len());
             noted.sort_unstable();
             let count = noted.len();
@@ -522,6 +585,28 @@ mod tests {
             assert_eq!(noted.len(), count);
         }
         assert_eq!(most, 4);
+    }
+
+    /// Two who want different lines of one index from a memory that answers sooner than they come
+    /// round. Were a line pushed out before it is hit, each would find the other's for ever.
+    #[test]
+    fn a_line_stays_until_it_has_been_hit() {
+        let mut bench = Bench::new(shape(CacheAnswer::Line, 8, 1), None);
+        bench.sweep();
+        let mut wanted = [Some(0x13), Some(0x23)];
+        for _ in 0..12 {
+            for asker in [0, 1] {
+                let idle = [None; 19];
+                for lookup in std::iter::once(wanted[asker]).chain(idle) {
+                    let outputs = bench.cycle(lookup);
+                    if outputs.hit {
+                        wanted[asker] = None;
+                    }
+                }
+            }
+        }
+        assert_eq!(wanted, [None; 2]);
+        assert_eq!(bench.asked, [0x13, 0x23]);
     }
 
     #[test]

@@ -8,6 +8,8 @@ pub const LINE_HEIGHTS: u32 = 16;
 pub(super) const WORD_BITS: u32 = 64;
 /// Bits of the counters, which run over.
 pub(super) const COUNTER_BITS: u32 = 32;
+/// The most lines that may be noted.
+pub(super) const MOST_PENDING: usize = 8;
 
 /// What a hit is answered with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +31,7 @@ pub struct HeightCacheShape {
     pub line_bits: u32,
     /// Lines that it holds, a power of two from 2 up.
     pub lines: u32,
-    /// Lines that may be noted as missing and not yet be there: 2, 4 or 8.
+    /// Lines that may be noted as missing and not yet have served: 2, 4 or 8.
     pub pending: u32,
     /// What a hit is answered with.
     pub answer: CacheAnswer,
@@ -168,19 +170,18 @@ impl HeightCacheShape {
         }
         for slot in 0..self.pending {
             signals.push(Declared::register(format!("slot_valid_{slot}"), 1, 0));
+            signals.push(Declared::register(format!("slot_filled_{slot}"), 1, 0));
+            signals.push(Declared::wire(format!("serves_{slot}"), 1));
             signals.push(Declared::data_register(
                 format!("slot_line_{slot}"),
                 self.line_bits,
             ));
         }
-        for name in ["note", "fetch", "fill", "free"] {
+        for name in ["note", "fetch", "fill"] {
             signals.push(Declared::register(format!("{name}_pointer"), pointer, 0));
         }
         signals.push(Declared::register("unasked", pointer + 1, 0));
         signals.push(Declared::register("beat_index", bits_for(self.beats()), 0));
-        for stage in 1..=self.latency {
-            signals.push(Declared::register(format!("filled_s{stage}"), 1, 0));
-        }
         signals
     }
 }
