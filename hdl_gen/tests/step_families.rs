@@ -79,6 +79,31 @@ fn every_step_is_the_golden_one_and_a_fault_in_it_is_seen() {
     }
 }
 
+/// The vectors of `dig` carry the samples that each ray's own block leaves it; those of `relief`, the
+/// same datapath, always all of them.
+#[test]
+fn rays_of_depth_interval_grids_carry_intervals_of_their_own() {
+    let pyramid = pyramid();
+    let intervals = ["relief", "dig"].map(|method| {
+        let walk = Walk {
+            method: method.parse().unwrap(),
+            format: WalkFormat::Float(FloatFormat::E7F16),
+            crossing: Crossing::Index,
+        };
+        let configuration = UnitConfiguration::of(walk, &pyramid).unwrap();
+        let unit = build_step_unit(&configuration);
+        let set = step_vectors(&unit, &configuration, &pyramid, &random_rays(40, 1), 11);
+        let place = |name| set.fields.iter().position(|field| field.name == name);
+        let samples = ["first_sample_i", "last_sample_i"].map(|name| place(name).unwrap());
+        let vectors = set.vectors.iter();
+        vectors
+            .map(|vector| samples.map(|place| vector[place]))
+            .collect::<std::collections::HashSet<_>>()
+    });
+    assert_eq!(intervals[0], [[1, 100]].into());
+    assert!(intervals[1].len() > 20, "{:?}", intervals[1]);
+}
+
 #[test]
 fn every_loop_is_the_golden_one_in_every_cycle() {
     let pyramid = pyramid();

@@ -23,8 +23,6 @@ use crate::walker::{AdmissionError, Walker, WalkerError};
 use places::{UNWALKED, walk_places};
 use sampled::walk_sampled;
 
-pub use sampled::BLOCK;
-
 /// Called from any thread, now and then, with the pixels or rays done since the last call; all
 /// calls together add up to all of them.
 pub type Progress<'a> = &'a (dyn Fn(u64) + Sync);

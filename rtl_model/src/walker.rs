@@ -18,7 +18,7 @@ use crate::maps::Pyramid;
 use crate::ray::{self, Ray, RayError};
 use crate::ray_format::{RayFormat, RayFormatError};
 use crate::readings::{E7F16, ExactReading, F64Reading, FloatReading, NumberFormat, enter};
-use crate::scene::{Crossing, Family, LinearSearch, Method, Walk, WalkFormat};
+use crate::scene::{Crossing, Family, LinearSearch, Walk, WalkFormat};
 use crate::units::bounded::bounded_walk;
 use crate::units::bounded_leaf::corner_bits;
 use crate::units::bounded_shape::BoundedShape;
@@ -185,20 +185,13 @@ impl Way {
 
 impl<'a> Walker<'a> {
     /// A walker of this method and format through the map under `pyramid`, for any rays. Fixed point
-    /// without a format takes the one that holds every ray.
+    /// without a format takes the one that holds every ray; the pixels that `dig` asks for are those
+    /// of [`crate::units::pixel_block`].
     ///
     /// # Errors
-    /// If method, format and crossing do not go together, or the method needs the pixels of a frame.
+    /// If method, format and crossing do not go together.
     pub fn new(walk: Walk, pyramid: &'a Pyramid) -> Result<Walker<'a>, WalkerError> {
         let way = Way::of(walk)?;
-        if walk.method == Method::Dig {
-            return Err(WalkerError::Unsupported {
-                walk,
-                why: "its intervals come from the corner rays of blocks of 4 x 4 pixels, and a list \
-                      of rays has no pixels; render a scene by it, or take relief, which searches \
-                      the whole ray",
-            });
-        }
         Walker::by(way, walk, pyramid)
     }
 
@@ -424,12 +417,16 @@ pub(crate) fn walk_in<R: NumberFormat>(
             search,
             depth_in_repeats,
         } => {
-            let entered = entered.map(|number| reading.to_f64(number));
-            let samples = SampleRange::of(search, entered, depth_in_repeats);
+            let samples = match search {
+                LinearSearch::Dig => SampleRange::of_listed_ray(reading, pyramid, ray),
+                LinearSearch::Relief | LinearSearch::Pom => {
+                    let entered = entered.map(|number| reading.to_f64(number));
+                    SampleRange::of(search, entered, depth_in_repeats)
+                }
+            };
             let ray = LinearRay::enter(reading, ray, samples);
             match search {
                 LinearSearch::Pom => pom_walk(reading, pyramid, &ray),
-                // Without a block's interval, depth-interval grids search as relief mapping does.
                 LinearSearch::Relief | LinearSearch::Dig => relief_walk(reading, pyramid, &ray),
             }
         }

@@ -111,7 +111,7 @@ fn walked_in_a_row<R: NumberFormat, S: Step>(
         .iter()
         .map(|(name, _)| *name)
         .collect();
-    let ports = step.enter(reading, ray);
+    let ports = step.enter_over(reading, pyramid, ray);
     assert_eq!(ports.len(), step.ray_ports().len());
     let mut registers = step.set_up(reading, &ports);
     assert_eq!(registers.len(), names.len() + walk_names.len());
@@ -195,7 +195,10 @@ fn samplers_in_a_row_search_as_the_typed_ones() {
             let step = LinearStep { shape, search };
             let row = walked_in_a_row(&mut reading, &step, &pyramid, ray);
             let entered = enter(&mut reading, ray).map(|number| reading.to_f64(number));
-            let samples = SampleRange::of(search, entered, NOMINAL_DEPTH);
+            let samples = match Method::Dig.family() == Family::Linear(search) {
+                true => SampleRange::of_listed_ray(&mut reading, &pyramid, ray),
+                false => SampleRange::of(search, entered, NOMINAL_DEPTH),
+            };
             let ray = LinearRay::enter(&mut reading, ray, samples);
             let typed = match Method::Pom.family() == Family::Linear(search) {
                 true => pom_walk(&mut reading, &pyramid, &ray),

@@ -84,6 +84,32 @@ fn a_table_and_files_say_the_same() {
     assert_eq!(value["cases"], lines.len() - 1);
 }
 
+/// The methods that sample are in one table, and miss; those of fixed point alone are there too.
+#[test]
+fn methods_that_sample_show_their_misses_side_by_side() {
+    let assert = hard(&["--format", "f64,fixed", "--json"]);
+    let output = assert.code(0).get_output().clone();
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let walks = value["walks"].as_array().unwrap();
+    let row = |method: &str, format: &str| {
+        let mut rows = walks.iter();
+        let row = rows.find(|row| row["method"] == method && row["format"] == format);
+        row.unwrap_or_else(|| panic!("no row of {method} in {format}"))
+    };
+    for method in ["relief", "pom", "dig"] {
+        let row = row(method, "f64");
+        let count = |key: &str| row[key].as_u64().unwrap();
+        assert!(count("rays") > 600 && count("right") > 0, "{row}");
+        assert!(count("late") + count("wrong_early") > 50, "{row}");
+        assert_eq!((count("defects"), count("guards")), (0, 0), "{row}");
+    }
+    for method in ["bounded-quad", "bounded-block"] {
+        let row = row(method, "fixed");
+        assert_eq!(row["right"], row["rays"], "{row}");
+        assert!(row["rays"].as_u64().unwrap() > 600, "{row}");
+    }
+}
+
 /// The expected depth of the first ray changed in a copy of a case: the command says so.
 #[test]
 fn a_planted_fault_gives_exit_code_1() {
@@ -127,7 +153,10 @@ fn bad_input_gets_one_message_and_exit_code_2() {
             "unknown family `easy`: there is along-border",
         ),
         (&["--method", "oh", "--format", "e7"], "unknown format"),
-        (&["--method", "dig"], "nothing was compared"),
+        (
+            &["--method", "dig", "--format", "fixed"],
+            "nothing was compared",
+        ),
     ] {
         let assert = hard(arguments).code(2);
         let message = text(&assert.get_output().stderr);

@@ -88,6 +88,7 @@ impl SmallWorlds {
         }
         let levels = [1, 3, 4].map(Method::MultiLevelDown);
         let all = Method::ALL.into_iter().chain(levels);
+        let all = all.chain(Method::FIXED_ONLY);
         all.filter(|method| method.is_safe()).collect()
     }
 

@@ -116,6 +116,7 @@ const COUNTERS: [&str; 2] = ["steps", "crossings"];
 struct Chosen<'a> {
     configuration: UnitConfiguration,
     reading: Reading,
+    pyramid: &'a Pyramid,
     memory: std::borrow::Cow<'a, [u16]>,
     registers: Vec<Register>,
     unchanged: usize,
@@ -131,6 +132,7 @@ impl<'a> Chosen<'a> {
         Chosen {
             configuration: *configuration,
             reading: FloatReading(configuration.format),
+            pyramid,
             memory: step.memory(pyramid),
             registers: step_registers(&step),
             unchanged: step.ray_registers().len(),
@@ -201,7 +203,7 @@ impl<'a> Chosen<'a> {
 
     fn start(&mut self, ray: Ray<f64>) -> Row {
         let step = self.configuration.step;
-        let ports = step.enter(&mut self.reading, ray);
+        let ports = step.enter_over(&mut self.reading, self.pyramid, ray);
         step.set_up(&mut self.reading, &ports)
     }
 

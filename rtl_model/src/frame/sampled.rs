@@ -11,7 +11,7 @@
 //! blocks: its own, those to the right and below, and the one across; where there is none, the
 //! frame's last pixel stands in. A corner ray that passes above the surface at sample n - 1 and
 //! below it at n says that it is met between them. A block's pixels are searched from the least
-//! n - 1 to the greatest n of its corners, [`INTERVAL_MARGIN`] samples further on both sides. If a
+//! n - 1 to the greatest n of its corners, [`INTERVAL_MARGIN`](crate::units::linear_ray::INTERVAL_MARGIN) samples further on both sides. If a
 //! corner pixel has no ray, the block's pixels are searched from top to bottom.
 //!
 //! A corner ray is that of a pixel, and its samples count as steps of that pixel, beside those of
@@ -22,12 +22,10 @@ use rayon::prelude::*;
 use super::{Progress, WalkFrameError, admit};
 use crate::maps::Pyramid;
 use crate::scene::{LinearSearch, Scene};
-use crate::units::linear_ray::{INTERVAL_MARGIN, LINEAR_SAMPLES, SampleRange};
+use crate::units::linear_ray::{LINEAR_SAMPLES, SampleRange};
+use crate::units::pixel_block::BLOCK;
 use crate::units::traverse::Hit;
 use crate::walker::Walker;
-
-/// Pixels on a side of a block of a depth-interval grid (Judnich and Ling, 3: 4 x 4).
-pub const BLOCK: u32 = 4;
 
 /// Rows of pixels that a thread takes at once: of blocks.
 const ROWS: usize = BLOCK as usize;
@@ -118,22 +116,13 @@ impl Grid {
     /// The samples to search for a pixel.
     fn samples(&self, x: u32, y: u32) -> SampleRange {
         let (column, row) = (x / BLOCK, y / BLOCK);
-        let (mut least, mut greatest) = (LINEAR_SAMPLES, 0);
-        for corner in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|corner| {
             let place = (row + corner.1) * self.columns + column + corner.0;
-            match self.samples[place as usize] {
-                Some(sample) => {
-                    least = least.min(sample);
-                    greatest = greatest.max(sample);
-                }
-                None => return SampleRange::whole(LINEAR_SAMPLES),
-            }
-        }
-        SampleRange {
-            samples_to_bottom: LINEAR_SAMPLES,
-            // The bracket before sample n starts at n - 1; the first sample lies behind its start.
-            first: least.saturating_sub(INTERVAL_MARGIN).max(1),
-            last: (greatest + INTERVAL_MARGIN).min(LINEAR_SAMPLES),
+            self.samples[place as usize]
+        });
+        match corners {
+            [Some(a), Some(b), Some(c), Some(d)] => SampleRange::between_corners(&[a, b, c, d]),
+            _ => SampleRange::whole(LINEAR_SAMPLES),
         }
     }
 

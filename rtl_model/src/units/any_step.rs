@@ -159,6 +159,14 @@ impl Step for AnyStep {
     fn enter<R: NumberFormat>(&self, reading: &mut R, ray: Ray<f64>) -> Vec<Signal<R>> {
         of_any!(self, step => step.enter(reading, ray))
     }
+    fn enter_over<R: NumberFormat>(
+        &self,
+        reading: &mut R,
+        pyramid: &Pyramid,
+        ray: Ray<f64>,
+    ) -> Vec<Signal<R>> {
+        of_any!(self, step => step.enter_over(reading, pyramid, ray))
+    }
     fn set_up_into<A: Arith>(&self, a: &mut A, ray: &[Signal<A>], registers: &mut Vec<Signal<A>>) {
         of_any!(self, step => step.set_up_into(a, ray, registers));
     }

@@ -7,6 +7,7 @@ use super::pom_step::{self, PomWalk, pom_start, pom_step};
 use super::relief_step::{self, BINARY_STEP_BITS, ReliefWalk, relief_start, relief_step};
 use super::step::{Named, Register, RegisterKind, Signal, Step};
 use crate::arith::Arith;
+use crate::maps::Pyramid;
 use crate::ray::Ray;
 use crate::readings::{NumberFormat, enter};
 use crate::scene::LinearSearch;
@@ -30,6 +31,20 @@ impl LinearStep {
     /// Bits of a texel index, signed.
     fn texel_bits(self) -> u32 {
         self.shape.root_level + 1
+    }
+
+    /// What the ray ports carry for a ray that takes these samples.
+    fn ports<R: NumberFormat>(
+        reading: &mut R,
+        ray: Ray<f64>,
+        samples: SampleRange,
+    ) -> Vec<Signal<R>> {
+        let ray = LinearRay::enter(reading, ray, samples);
+        let mut ports = [ray.u, ray.v, ray.du, ray.dv, ray.spacing]
+            .map(Signal::Number)
+            .to_vec();
+        ports.extend([ray.first_sample, ray.last_sample].map(Signal::Integer));
+        ports
     }
 
     fn ray<A: Arith>(ray: &[Signal<A>]) -> LinearRay<A> {
@@ -205,12 +220,24 @@ impl Step for LinearStep {
     fn enter<R: NumberFormat>(&self, reading: &mut R, ray: Ray<f64>) -> Vec<Signal<R>> {
         let entered = enter(reading, ray).map(|number| reading.to_f64(number));
         let samples = SampleRange::of(self.search, entered, NOMINAL_DEPTH);
-        let ray = LinearRay::enter(reading, ray, samples);
-        let mut ports = [ray.u, ray.v, ray.du, ray.dv, ray.spacing]
-            .map(Signal::Number)
-            .to_vec();
-        ports.extend([ray.first_sample, ray.last_sample].map(Signal::Integer));
-        ports
+        Self::ports(reading, ray, samples)
+    }
+
+    /// As [`Step::enter`]; of `dig` with the samples that the corner rays of the ray's block leave
+    /// it ([`SampleRange::of_listed_ray`]).
+    fn enter_over<R: NumberFormat>(
+        &self,
+        reading: &mut R,
+        pyramid: &Pyramid,
+        ray: Ray<f64>,
+    ) -> Vec<Signal<R>> {
+        match self.search {
+            LinearSearch::Dig => {
+                let samples = SampleRange::of_listed_ray(reading, pyramid, ray);
+                Self::ports(reading, ray, samples)
+            }
+            LinearSearch::Relief | LinearSearch::Pom => self.enter(reading, ray),
+        }
     }
 
     fn set_up_into<A: Arith>(&self, a: &mut A, ray: &[Signal<A>], registers: &mut Vec<Signal<A>>) {

@@ -26,6 +26,7 @@ pub mod offset_node_step;
 pub mod offset_step;
 pub mod offset_walk;
 pub mod paper_step;
+pub mod pixel_block;
 pub mod pom_step;
 pub mod relief_step;
 pub mod search_policy;

@@ -140,6 +140,15 @@ pub trait Step {
         let ray = enter(reading, ray);
         [ray.u, ray.v, ray.du, ray.dv].map(Signal::Number).to_vec()
     }
+    /// The same in front of a map, where it depends on what the map holds. Here: [`Step::enter`].
+    fn enter_over<R: NumberFormat>(
+        &self,
+        reading: &mut R,
+        _: &Pyramid,
+        ray: Ray<f64>,
+    ) -> Vec<Signal<R>> {
+        self.enter(reading, ray)
+    }
 
     /// Sets a ray up: appends ray registers, then walk registers, in their declared order.
     fn set_up_into<A: Arith>(&self, a: &mut A, ray: &[Signal<A>], registers: &mut Vec<Signal<A>>);

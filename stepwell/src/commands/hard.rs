@@ -28,7 +28,8 @@ use crate::{progress, terminal};
 /// the format holds it. What is promised: exact and fixed point hit the very texel; a float never
 /// hits later than that, nor hangs, but may hit a texel that the ray only just misses; f64 always
 /// ends, and may lose a tie to rounding. relief, pom and dig promise nothing, nor does a crossing by
-/// an offset: they are shown for comparison.
+/// an offset: they are shown for comparison. The pixels that dig asks for are as those of a camera far
+/// above: a ray is the middle of a block of 4 x 4, with a texel from one pixel to the next.
 ///
 /// Exit code 1 says that a promise is broken.
 #[derive(Args, Debug)]
@@ -100,12 +101,13 @@ impl Arguments {
         Ok(cases)
     }
 
-    /// All methods, with all numbers of levels that `multi-level-down` goes, or those asked for.
+    /// All methods, those of fixed point alone and all numbers of levels that `multi-level-down` goes
+    /// among them, or those asked for.
     fn methods(&self) -> Vec<Method> {
         if !self.method.is_empty() {
             return self.method.clone();
         }
-        let all = Method::ALL.into_iter();
+        let all = Method::ALL.into_iter().chain(Method::FIXED_ONLY);
         all.flat_map(|method| match method {
             Method::MultiLevelDown(_) => (1..=Method::MOST_LEVELS_DOWN)
                 .map(Method::MultiLevelDown)
