@@ -453,6 +453,7 @@ mod tests {
     use super::*;
     use crate::exact::exact_hit;
     use crate::maps::{Channel, HeightMap, MapSource};
+    use crate::scene::Method;
     use crate::units::traverse::Status;
     use proptest::prelude::*;
 
