@@ -66,6 +66,9 @@ fn module_digest(module: &Arc<Module>, known: &mut Known) -> [u8; 32] {
         hash.text(&memory.name);
         hash.number(u64::from(memory.words));
         hash.number(u64::from(memory.width));
+        if memory.in_block {
+            hash.text("block");
+        }
         for wire in memory.write.iter().flat_map(|write| write.operands()) {
             hash.number(u64::from(wire.0));
         }

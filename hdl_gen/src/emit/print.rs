@@ -235,6 +235,9 @@ impl File<'_> {
         }
         for memory in memories {
             let (range, last) = (range(memory.width), memory.words - 1);
+            if memory.in_block {
+                self.line("    (* ram_style = \"block\" *)");
+            }
             self.line(&format!(
                 "    reg  {range:column$}{} [0:{last}];",
                 memory.name

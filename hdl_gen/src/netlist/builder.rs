@@ -368,10 +368,17 @@ impl Builder {
             name: name.to_owned(),
             words,
             width,
+            in_block: false,
             section: self.module.sections.len() - 1,
             write: None,
         });
         MemoryId(memory)
+    }
+
+    /// The memory is to be a block RAM, however small it is: its reads are all taken by registers.
+    /// Synthesis takes it for one only if it sees that no word is read and written at one edge.
+    pub fn memory_in_block(&mut self, memory: MemoryId) {
+        self.module.memories[memory.index()].in_block = true;
     }
 
     fn check_address(&self, memory: MemoryId, address: Wire) {

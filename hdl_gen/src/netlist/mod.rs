@@ -261,6 +261,8 @@ pub struct Memory {
     pub words: u32,
     /// Bits of a word, 1 to 64.
     pub width: u32,
+    /// It is to be a block RAM, however small it is.
+    pub in_block: bool,
     /// The section it is declared in.
     pub section: usize,
     /// Its write port; set by [`Builder::memory_write`].

@@ -156,6 +156,12 @@ impl Build<'_> {
         self.b.section("registers");
         for signal in &declaration {
             if let DeclaredKind::Register(reset) = signal.kind {
+                // What is read from a memory is named where it is read.
+                if signal.name.starts_with("waiting_")
+                    && !["waiting_valid", "waiting_slot"].contains(&signal.name.as_str())
+                {
+                    continue;
+                }
                 let register = self.b.register(signal.width, None, reset);
                 self.b.name(register, &signal.name);
                 self.wires.put(&signal.name, register);
@@ -172,21 +178,12 @@ impl Build<'_> {
         let trip = self.trips(&set_up, &cache.outputs);
         let entry = self.entry();
         self.enter(&entry, &trip, &set_up);
-        self.leaf(&entry, &fifo_block.outputs);
+        self.leaf(&entry, &trip, &fifo_block.outputs);
 
         self.b.section("the FIFO before the leaf check");
         let mut inputs = Ports::default();
         inputs.put("in_valid_i", self.get("ends"));
-        for field in &shape.leaf_fifo.fields {
-            let wire = match field.name.as_str() {
-                "slot" => trip.get("slot"),
-                "texel_u" => trip.get("i_o"),
-                "texel_v" => trip.get("j_o"),
-                name => trip.get(&format!("{name}_o")),
-            };
-            let wire = self.fit(wire, field.width);
-            inputs.put(format!("in_{}_i", field.name), wire);
-        }
+        inputs.put("in_slot_i", trip.get("slot"));
         inputs.put("out_ready_i", self.get("waits"));
         fifo_block.connect(&mut self.b, &inputs);
 
@@ -255,11 +252,15 @@ impl Build<'_> {
         let mut valid = self.b.register(1, None, Some(0));
         let mut slot = self.b.register(slot_bits, None, None);
         let (valid_s0, slot_s0) = (valid, slot);
+        let mut valid_s1 = valid;
         for stage in 0..stages {
             self.b.name(valid, format!("valid_s{stage}"));
             self.b.name(slot, format!("slot_s{stage}"));
             if stage + 1 < stages {
                 valid = self.b.registered(valid, None, Some(0));
+                if stage == 0 {
+                    valid_s1 = valid;
+                }
                 slot = self.b.registered(slot, None, None);
             }
         }
@@ -275,12 +276,12 @@ impl Build<'_> {
 
         self.b
             .section("a ray's constants, by slot: written when it enters the loop");
-        let slots = shape.effort.slots;
         let free_slots = self.get("free_slots");
         let (one_hot, number) = self.lowest(free_slots);
         self.wires.put("slot_taken", one_hot);
         self.wires.put("new_slot", number);
         let admits = self.admits_ahead(&trip, set_up, cache);
+        let always = self.b.constant(1, 1);
         let names = [
             "t_delta_u",
             "t_delta_v",
@@ -289,7 +290,7 @@ impl Build<'_> {
             "mirror_v",
         ];
         let fields = names.map(|name| set_up.get(name));
-        let ray = self.memory("step_rays", slots, &fields, (admits, number), slot_s0);
+        let ray = self.read_memory("step_rays", &fields, (admits, number), (always, slot_s0));
 
         self.b.section("the bounds of blocks, by slot and line");
         let line_bits = bounded
@@ -307,20 +308,22 @@ impl Build<'_> {
         let near_line = self.b.slice(trip.get("near_line_o"), line_bits - 1, 0);
         let write = self.b.concat(&[slot, near_line]);
         let writes = self.b.and(valid, trip.get("writes_o"));
-        let fresh = self.get("fresh_s0");
+        let near = ["u", "v"]
+            .map(|axis| self.fit(trip.get(&format!("t_near_{axis}_o")), bounded.bound_bits()));
+        let stored = self.read_memory("t_near", &near, (writes, write), (always, read));
+        let fresh_s0 = self.get("fresh_s0");
+        let fresh = self.b.registered(fresh_s0, None, Some(0));
+        self.b.name(fresh, "fresh_s1");
         let mut base = Vec::new();
-        for axis in ["u", "v"] {
-            let near = self.fit(trip.get(&format!("t_near_{axis}_o")), bounded.bound_bits());
-            let words = slots << line_bits;
-            let name = format!("t_near_{axis}");
-            let stored = self.memory(&name, words, &[near], (writes, write), read)[0];
+        for (axis, stored) in ["u", "v"].into_iter().zip(stored) {
             let own = set_up.get(&format!("t_near_{axis}"));
+            let own = self.b.registered(own, None, None);
             base.push(self.b.mux(fresh, own, stored));
         }
 
         self.b.section("the cache is asked, a stage later");
         let lookup_valid = self.get("lookup_valid");
-        self.b.connect(lookup_valid, valid_s0);
+        self.b.connect(lookup_valid, valid_s1);
         let address = self.fit(trip.get("line_address_o"), bounded.address_bits());
         let lookup_address = self.get("lookup_address");
         self.b.connect(lookup_address, address);

@@ -5,10 +5,11 @@ use super::probe::Probe;
 use crate::blocks::declared_probes;
 use crate::datapath::BuiltDatapath;
 use crate::netlist::Meaning;
-use rtl_model::machine::{Declared, DeclaredKind, ExactMachineShape};
+use rtl_model::machine::{Declared, DeclaredKind, ExactMachineShape, READ_STAGE};
 
-/// Where the words of a cycle begin: those of [`rtl_model::machine::ExactMachine::observe`], then, of the
-/// first stage and of that in which the cache answers, what stands there
+/// Where the words of a cycle begin: those of [`rtl_model::machine::ExactMachine::observe`], of the first stage
+/// ([`observe_entry`](rtl_model::machine::ExactMachine::observe_entry)), then, of the stage in which the ray has
+/// been read and of that in which the cache answers, what stands there
 /// ([`observe_stage`](rtl_model::machine::ExactMachine::observe_stage)) and what comes of it
 /// ([`trace`](rtl_model::machine::ExactMachine::trace)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,18 +20,22 @@ pub struct ExactLayout {
     pub cache: usize,
     /// The read port's.
     pub port: usize,
-    /// What stands in the first stage.
+    /// What stands in the first stage beside the walk.
     pub entry: usize,
+    /// What stands where the ray has been read.
+    pub read: usize,
     /// What comes of it.
-    pub entry_trace: usize,
+    pub read_trace: usize,
     /// What stands where the cache answers.
     pub answered: usize,
     /// What comes of it.
     pub answered_trace: usize,
 }
 
-/// Words in front of a datapath's inputs: valid, slot, fresh, missed, place.
-const BEFORE_INPUTS: usize = 5;
+/// Words of the first stage: valid, slot, fresh.
+const OF_ENTRY: usize = 3;
+/// Words in front of a datapath's inputs: missed, place.
+const BEFORE_INPUTS: usize = 2;
 
 impl ExactLayout {
     /// The layout of a machine.
@@ -44,14 +49,16 @@ impl ExactLayout {
         let port = cache + count(&shape.cache.declaration());
         let entry = port + count(&shape.port.declaration());
         let inputs = 5 + shape.walk_registers().len() + 4 + shape.bounded.lines().cells();
-        let entry_trace = entry + BEFORE_INPUTS + inputs;
-        let answered = entry_trace + trip.word_count;
+        let read = entry + OF_ENTRY;
+        let read_trace = read + BEFORE_INPUTS + inputs;
+        let answered = read_trace + trip.word_count;
         ExactLayout {
             fifo,
             cache,
             port,
             entry,
-            entry_trace,
+            read,
+            read_trace,
             answered,
             answered_trace: answered + BEFORE_INPUTS + inputs,
         }
@@ -95,9 +102,9 @@ pub(super) fn exact_probes(shape: &ExactMachineShape, trip: &BuiltDatapath) -> V
         probes.push(probe(&top, name, shape.slot_bits(), slot, stage));
     }
     probes.push(probe(&top, "fresh_s0".to_owned(), 1, layout.entry + 2, 0));
-    probes.push(probe(&top, "missed".to_owned(), 1, layout.answered + 3, 0));
+    probes.push(probe(&top, "missed".to_owned(), 1, layout.answered, 0));
     if shape.offset_bits() > 0 {
-        let (name, place) = ("lookup_place".to_owned(), layout.answered + 4);
+        let (name, place) = ("lookup_place".to_owned(), layout.answered + 1);
         probes.push(probe(&top, name, shape.offset_bits(), place, 0));
     }
     // What depends on the heights is known when the cache answers; a register in front of an
@@ -106,14 +113,15 @@ pub(super) fn exact_probes(shape: &ExactMachineShape, trip: &BuiltDatapath) -> V
     for register in &trip.registers {
         let is_early = register.stage < answered_in;
         let (inputs, trace) = match is_early {
-            true => (layout.entry, layout.entry_trace),
+            true => (layout.read, layout.read_trace),
             false => (layout.answered, layout.answered_trace),
         };
         let word = match register.word {
             Ok(word) => trace + word,
             Err(input) => inputs + BEFORE_INPUTS + input,
         };
-        let delay = register.stage - if is_early { 0 } else { answered_in };
+        let observed_in = if is_early { READ_STAGE } else { answered_in };
+        let delay = register.stage - observed_in;
         let scope = [EXACT_MACHINE, "trip"];
         probes.push(Probe {
             meaning: register.meaning,

@@ -6,7 +6,7 @@ use crate::datapath::{
     schedule_in_stages,
 };
 use rtl_model::float::FloatFormat;
-use rtl_model::machine::{ExactMachineShape, exact_trip};
+use rtl_model::machine::{ExactMachineShape, READ_STAGE, exact_trip};
 use rtl_model::units::bounded_setup::BoundedRay;
 use rtl_model::units::bounded_shape::{LINE_BITS, MOST_BOUNDED_LINES};
 use rtl_model::units::bounded_step::BoundedWalk;
@@ -49,11 +49,11 @@ fn record(shape: &ExactMachineShape) -> Recording {
     let mut recorder = Recorder::new(FloatFormat::E7F16);
     let r = &mut recorder;
     let delta = bounded.delta_bits() + 1;
-    let t_delta_u = r.int_input("t_delta_u", delta, 0);
-    let t_delta_v = r.int_input("t_delta_v", delta, 0);
-    let mirror_u = r.bit_input("mirror_u", 0);
-    let mirror_v = r.bit_input("mirror_v", 0);
-    let start_line = r.int_input("start_line", LINE_BITS, 0);
+    let t_delta_u = r.int_input("t_delta_u", delta, READ_STAGE);
+    let t_delta_v = r.int_input("t_delta_v", delta, READ_STAGE);
+    let mirror_u = r.bit_input("mirror_u", READ_STAGE);
+    let mirror_v = r.bit_input("mirror_v", READ_STAGE);
+    let start_line = r.int_input("start_line", LINE_BITS, READ_STAGE);
     let mut integers: Vec<IntSignal> = Vec::new();
     let mut bits: Vec<BitSignal> = Vec::new();
     const BITS: [&str; 4] = ["from_own_line", "leaves_u", "leaves_back", "resumes"];
@@ -63,9 +63,9 @@ fn record(shape: &ExactMachineShape) -> Recording {
             false => integers.push(r.int_input(name, width, 0)),
         }
     }
-    let t_base_u = r.int_input("t_base_u", bounded.bound_bits(), 0);
-    let t_base_v = r.int_input("t_base_v", bounded.bound_bits(), 0);
-    let fresh = r.bit_input("fresh", 0);
+    let t_base_u = r.int_input("t_base_u", bounded.bound_bits(), READ_STAGE);
+    let t_base_v = r.int_input("t_base_v", bounded.bound_bits(), READ_STAGE);
+    let fresh = r.bit_input("fresh", READ_STAGE);
     let missed = r.bit_input("missed", shape.height_stage());
     let cells = bounded.lines().cells();
     let heights: Vec<IntSignal> = HEIGHTS[..cells]
@@ -90,8 +90,9 @@ fn record(shape: &ExactMachineShape) -> Recording {
         leaves_u: bits[1],
         leaves_back: bits[2],
         resumes: bits[3],
-        steps: integers[5 + lines],
-        crossings: integers[6 + lines],
+        // Not read where they are not counted.
+        steps: *integers.get(5 + lines).unwrap_or(&line),
+        crossings: *integers.get(6 + lines).unwrap_or(&line),
         // A walk in the loop has ended by neither; a trip does not read them.
         hit: fresh,
         guard: fresh,
@@ -113,7 +114,7 @@ fn record(shape: &ExactMachineShape) -> Recording {
     };
     let trip = exact_trip(
         r,
-        bounded,
+        (bounded, shape.counters),
         &ray,
         &walk,
         (t_base_u, t_base_v),
@@ -137,10 +138,14 @@ fn record(shape: &ExactMachineShape) -> Recording {
     r.output("leaves_u", after.leaves_u);
     r.output("leaves_back", after.leaves_back);
     r.output("resumes", after.resumes);
-    r.output("steps", after.steps);
-    r.output("crossings", after.crossings);
+    if shape.counters {
+        r.output("steps", after.steps);
+        r.output("crossings", after.crossings);
+        r.output("guard", after.guard);
+    }
     r.output("depth", after.depth);
-    r.output("guard", after.guard);
+    r.output("corner_is_known", trip.corner.is_known);
+    r.output("v_is_later", trip.corner.v_is_later);
     r.output("ends", trip.ends);
     r.output("near_line", line);
     r.output("t_near_u", trip.t_near.0);
@@ -166,7 +171,8 @@ pub fn build_exact_trip(shape: &ExactMachineShape) -> BuiltDatapath {
         ),
         "Where the line has missed the cache, the walk comes out as it went in.".to_owned(),
         format!(
-            "Heights and missed_i are read {} cycles after the other inputs.",
+            "A ray's constants, bounds and fresh_i are read a cycle after a walk's registers, heights and \
+             missed_i {} after them.",
             shape.height_stage()
         ),
         "golden: rtl_model::machine::exact_trip".to_owned(),

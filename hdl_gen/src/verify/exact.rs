@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::clocked::{ClockedRun, EachCycle};
 use crate::netlist::Module;
 use crate::units::{ExactUnit, Probe};
-use rtl_model::machine::{Declared, DeclaredKind, ExactMachineShape, ExactRun};
+use rtl_model::machine::{Declared, DeclaredKind, ExactMachineShape, ExactRun, READ_STAGE};
 use rtl_model::readings::{E7F16, FloatReading, Traced};
 
 /// The exact machine, to be held against its golden model.
@@ -46,7 +46,8 @@ impl ExactDesign {
         run.run(|machine, inputs, _| {
             words.clear();
             machine.observe(inputs, &mut words);
-            for stage in [0, answered_in] {
+            machine.observe_entry(&mut words);
+            for stage in [READ_STAGE, answered_in] {
                 machine.observe_stage(stage, &mut words);
                 machine.trace(stage, &mut traced, &mut words);
             }

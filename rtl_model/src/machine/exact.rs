@@ -19,7 +19,7 @@ mod ports;
 
 pub use ports::{ExactCounts, ExactHit, ExactInputs, ExactOutputs};
 
-use super::exact_shape::ExactMachineShape;
+use super::exact_shape::{ExactMachineShape, READ_STAGE};
 use super::exact_state::{Checking, LeafWalk, LoopWalk, SetUp, SlotRay, Trip, fixed_ray};
 use super::exact_trip::exact_trip;
 use super::fifo::Fifo;
@@ -31,6 +31,7 @@ use crate::units::bounded_leaf::{
 };
 use crate::units::bounded_setup::{setup_digit, setup_end, setup_entry};
 use crate::units::bounded_shape::LINE_BITS;
+use crate::units::bounded_step::bounded_address;
 
 /// The exact machine.
 #[derive(Clone, Debug)]
@@ -39,9 +40,14 @@ pub struct ExactMachine {
     setups: Vec<SetUp>,
     free_slots: u64,
     rays: Vec<SlotRay>,
+    /// By slot: walks that wait for the leaf check.
+    ended: Vec<LeafWalk>,
     /// By slot and line number.
     t_near: Vec<(i64, i64)>,
     line_words: usize,
+    /// What was last read of the rays, and of the bounds, for the loop.
+    read_ray: SlotRay,
+    read_near: (i64, i64),
     /// Stages 0 to the last, as a ring; `first` is stage 0.
     trips: Vec<Trip>,
     first: usize,
@@ -70,8 +76,11 @@ impl ExactMachine {
             setups: vec![SetUp::default(); shape.effort.setups as usize],
             free_slots: u64::MAX >> (64 - shape.effort.slots),
             rays: vec![SlotRay::default(); slots],
+            ended: vec![LeafWalk::default(); slots],
             t_near: vec![(0, 0); slots * line_words],
             line_words,
+            read_ray: SlotRay::default(),
+            read_near: (0, 0),
             trips: vec![Trip::default(); shape.effort.stages as usize],
             first: 0,
             lookup_valid: false,
@@ -89,11 +98,13 @@ impl ExactMachine {
             cycle: 0,
             shape,
         };
-        machine.trips[0] = machine.begin(false, 0, false, LoopWalk::default(), (0, 0));
-        let mut answered = machine.trips[0];
+        let mut read = Trip::default();
+        machine.read(&mut read);
+        let mut answered = read;
         answered.place = 0;
         machine.answer(&mut answered);
         machine.trips[1..].fill(answered);
+        machine.trips[READ_STAGE as usize] = read;
         machine
     }
 
@@ -208,7 +219,9 @@ impl ExactMachine {
         self.counts.gaps += u64::from(!begins);
 
         let last = *self.last_stage();
-        let (lookup_valid, lookup_address) = (self.stage(0).valid, self.stage(0).address);
+        let read = self.stage(READ_STAGE as usize);
+        let (lookup_valid, lookup_address) = (read.valid, read.address);
+        self.read_by_slot(outputs.admits, &last);
         if last.valid && last.writes {
             let place = self.bound_place(last.slot, last.walk.line);
             self.t_near[place] = last.near;
@@ -245,8 +258,18 @@ impl ExactMachine {
         (self.lookup_valid, self.lookup_address) = (lookup_valid, lookup_address);
 
         self.first = (self.first + self.trips.len() - 1) % self.trips.len();
-        let entering = self.begin(begins, slot, outputs.admits, walk, bounds);
-        self.trips[self.first] = entering;
+        self.trips[self.first] = Trip {
+            valid: begins,
+            slot,
+            fresh: outputs.admits,
+            walk,
+            own: bounds,
+            ..Trip::default()
+        };
+        let is_read = (self.first + READ_STAGE as usize) % self.trips.len();
+        let mut trip = self.trips[is_read];
+        self.read(&mut trip);
+        self.trips[is_read] = trip;
         let stage = self.shape.height_stage() as usize;
         let answered = (self.first + stage) % self.trips.len();
         let mut trip = self.trips[answered];
@@ -330,11 +353,12 @@ impl ExactMachine {
         let shape = self.shape.bounded;
         let a = &mut F64Reading;
         let verdict = self.verdict();
-        let answers = self.check_valid && verdict.is_final && !self.answer_valid;
-        let checks = self.waiting_valid && !self.check_valid;
-        let waits = self.leaf_fifo.outputs().out_valid && !self.waiting_valid;
+        let answers = self.answers();
+        let checks = self.checks();
+        let waits = self.waits();
         self.counts.refusals += u64::from(outputs.returns);
 
+        let checking = self.check_valid;
         if outputs.returns || taken {
             self.answer_valid = false;
         }
@@ -352,15 +376,15 @@ impl ExactMachine {
         }
         let turns = self.check.turns;
         let ray = fixed_ray(&self.check.ray);
-        // `check_valid` of this cycle: an answer that leaves changes nothing that is read again,
-        // but its registers still turn.
-        if self.check_valid || answers {
+        // An answer that leaves changes nothing that is read again, but its registers still turn.
+        if checking {
+            let is_known = self.check.walk.corner_is_known;
             if turns < self.shape.travel_turns() {
                 for _ in 0..self.shape.effort.travel_digits {
                     self.check.travel = travel_digit(a, shape, &ray, &self.check.travel);
                 }
             }
-            if turns < self.shape.corner_turns() {
+            if turns < self.shape.corner_turns() && !is_known {
                 for _ in 0..self.shape.effort.corner_digits {
                     self.check.corner = corner_digit(a, shape, &ray, &self.check.corner);
                 }
@@ -383,19 +407,37 @@ impl ExactMachine {
                     v: ways.1,
                     depth: walk.depth,
                 },
-                corner: corner_start(a, shape, &ray, ways),
+                corner: corner_start(a, shape, &ray, ways, walk.corner()),
                 ..self.check
             };
             self.check.turns = 0;
         }
         if waits {
-            let walk = LeafWalk::of_fields(&self.shape, self.leaf_fifo.outputs().out);
-            self.waiting = (walk, self.rays[walk.slot as usize]);
+            let slot = self.leaf_fifo.outputs().out[0] as usize;
+            self.waiting = (self.ended[slot], self.rays[slot]);
             self.waiting_valid = true;
         }
-        let (fields, count) = last.leaf_fields(&self.shape);
-        let put = outputs.ends.then_some(&fields[..count]);
+        if outputs.ends {
+            self.ended[last.slot as usize] = last.leaf_walk();
+        }
+        let slot = [last.slot];
+        let put = outputs.ends.then_some(&slot[..]);
         self.leaf_fifo.clock(put, waits);
+    }
+
+    /// The check comes to its answer in this cycle.
+    fn answers(&self) -> bool {
+        self.check_valid && !self.answer_valid && self.verdict().is_final
+    }
+
+    /// A waiting walk goes on to the check.
+    fn checks(&self) -> bool {
+        self.waiting_valid && (!self.check_valid || self.answers())
+    }
+
+    /// The FIFO's first walk is taken out.
+    fn waits(&self) -> bool {
+        self.leaf_fifo.outputs().out_valid && (!self.waiting_valid || self.checks())
     }
 
     fn verdict(&self) -> Verdict {
@@ -404,12 +446,15 @@ impl ExactMachine {
         let check = &self.check;
         let ray = fixed_ray(&check.ray);
         let mut corner = check.corner;
-        for _ in 0..self.shape.corner_rest() {
-            corner = corner_digit(a, shape, &ray, &corner);
+        if !check.walk.corner_is_known {
+            for _ in 0..self.shape.corner_rest() {
+                corner = corner_digit(a, shape, &ray, &corner);
+            }
         }
         let place = leaf_place(a, shape, check.ways, &check.travel);
         let verdict = leaf_verdict(a, shape, &ray, check.ways, &place, corner.error);
-        let needs_corner = place.is_before_u || place.is_before_v;
+        let is_before = place.is_before_u || place.is_before_v;
+        let needs_corner = is_before && !check.walk.corner_is_known;
         let has_corner = check.turns >= self.shape.corner_turns();
         Verdict {
             is_final: check.turns >= self.shape.travel_turns() && (has_corner || !needs_corner),
@@ -419,40 +464,30 @@ impl ExactMachine {
         }
     }
 
-    /// A trip in the first stage.
-    fn begin(
-        &self,
-        valid: bool,
-        slot: u64,
-        fresh: bool,
-        walk: LoopWalk,
-        bounds: (i64, i64),
-    ) -> Trip {
-        let ray = self.rays[slot as usize];
-        let base = match fresh {
-            true => bounds,
-            false => {
-                let above = walk.line + i64::from(!walk.from_own_line);
-                let line = above << (64 - LINE_BITS) >> (64 - LINE_BITS);
-                self.t_near[self.bound_place(slot, line)]
-            }
-        };
-        let mirrors = (ray.mirror_u, ray.mirror_v);
-        let bounded = walk.bounded::<F64Reading>();
-        let shape = self.shape.bounded;
-        let address =
-            crate::units::bounded_step::bounded_address(&mut F64Reading, shape, mirrors, &bounded);
-        Trip {
-            valid,
-            slot,
-            fresh,
-            walk,
-            ray,
-            base,
-            address,
-            place: address & ((1 << self.shape.offset_bits()) - 1),
-            ..Trip::default()
+    /// Reads by the slot in the first stage, at the edge at which that is left: what stood in the memories
+    /// before it. Where a word is written at that edge, it is not read, and what was read last remains;
+    /// a slot in the first stage with a walk in it is written by nothing.
+    fn read_by_slot(&mut self, admits: bool, last: &Trip) {
+        let (slot, walk) = (self.stage(0).slot, self.stage(0).walk);
+        if !(admits && u64::from(self.free_slots.trailing_zeros()) == slot) {
+            self.read_ray = self.rays[slot as usize];
         }
+        let above = walk.line + i64::from(!walk.from_own_line);
+        let line = above << (64 - LINE_BITS) >> (64 - LINE_BITS);
+        let place = self.bound_place(slot, line);
+        if !(last.valid && last.writes && self.bound_place(last.slot, last.walk.line) == place) {
+            self.read_near = self.t_near[place];
+        }
+    }
+
+    /// What was read belongs to a trip: its address follows.
+    fn read(&self, trip: &mut Trip) {
+        trip.ray = self.read_ray;
+        trip.base = if trip.fresh { trip.own } else { self.read_near };
+        let mirrors = (trip.ray.mirror_u, trip.ray.mirror_v);
+        let walk = trip.walk.bounded::<F64Reading>();
+        trip.address = bounded_address(&mut F64Reading, self.shape.bounded, mirrors, &walk);
+        trip.place = trip.address & ((1 << self.shape.offset_bits()) - 1);
     }
 
     /// The cache answers a trip.
@@ -470,7 +505,7 @@ impl ExactMachine {
         trip.missed = cache.answer_valid && !cache.hit;
         let result = exact_trip(
             &mut F64Reading,
-            self.shape.bounded,
+            (self.shape.bounded, self.shape.counters),
             &trip.ray.bounded(),
             &trip.walk.bounded(),
             trip.base,
@@ -481,6 +516,8 @@ impl ExactMachine {
         trip.depth = result.walk.depth;
         trip.guard = result.walk.guard;
         trip.near = result.t_near;
+        trip.corner_is_known = result.corner.is_known;
+        trip.v_is_later = result.corner.v_is_later;
         trip.writes = result.writes;
         trip.ends = result.ends;
     }

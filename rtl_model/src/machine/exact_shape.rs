@@ -21,7 +21,7 @@ pub const KEPT_NAMES: [&str; 6] = ["kept_0", "kept_1", "kept_2", "kept_3", "kept
 pub struct ExactEffort {
     /// Rays that may be inside at once: a power of two, 2 to 64.
     pub slots: u32,
-    /// Stages of the loop; the height arrives in the third.
+    /// Stages of the loop; the height arrives in the fourth.
     pub stages: u32,
     /// Setups one behind the other, each with its share of the digits.
     pub setups: u32,
@@ -37,21 +37,21 @@ impl ExactEffort {
     /// Little area, for lines of 2 x 2 heights.
     pub const AREA: ExactEffort = ExactEffort {
         slots: 16,
-        stages: 5,
+        stages: 6,
         setups: 2,
         setup_digits: 2,
         travel_digits: 2,
-        corner_digits: 4,
+        corner_digits: 1,
     };
 
     /// Few cycles a ray, for lines of 4 x 4 heights.
     pub const THROUGHPUT: ExactEffort = ExactEffort {
         slots: 16,
-        stages: 5,
+        stages: 6,
         setups: 4,
         setup_digits: 3,
-        travel_digits: 8,
-        corner_digits: 8,
+        travel_digits: 4,
+        corner_digits: 1,
     };
 }
 
@@ -68,12 +68,16 @@ pub struct ExactMachineShape {
     pub cache: HeightCacheShape,
     /// The port to the memory.
     pub port: ReadPortShape,
-    /// Counts trips, gaps and checks.
+    /// Counts trips, gaps and checks, and tells of each hit the steps, the crossings and whether it is one
+    /// of the guard.
     pub counters: bool,
 }
 
+/// The stage in which what stage 0 has read of a ray is there: its constants, and the bounds of its block.
+pub const READ_STAGE: u32 = 1;
+
 /// The stage in which the cache is asked; the address is computed in the one before.
-const LOOKUP_STAGE: u32 = 1;
+const LOOKUP_STAGE: u32 = 2;
 
 impl ExactMachineShape {
     /// A machine. A cache never has more than half the lines of the memory: a line's number would
@@ -100,28 +104,9 @@ impl ExactMachineShape {
             counters,
         };
         cache.check();
-        let count_bits = bounded.counter_bits() - 1;
-        let cells = bounded.lines().cells() as u32;
-        let mut fields = vec![
-            ("slot", bits_for(effort.slots)),
-            ("texel_u", bounded.index_bits()),
-            ("texel_v", bounded.index_bits()),
-        ];
-        fields.extend(
-            KEPT_NAMES[..bounded.line_levels()]
-                .iter()
-                .map(|&n| (n, cells)),
-        );
-        fields.extend([
-            ("leaves_u", 1),
-            ("leaves_back", 1),
-            ("steps", count_bits),
-            ("crossings", count_bits),
-            ("depth", bounded.words.height_bits),
-            ("guard", 1),
-        ]);
+        let slot = [("slot", bits_for(effort.slots))];
         let shape = ExactMachineShape {
-            leaf_fifo: FifoShape::new("exact_leaf_fifo", effort.slots, &fields),
+            leaf_fifo: FifoShape::new("exact_leaf_fifo", effort.slots, &slot),
             port: ReadPortShape::new("exact_read_port", line_bits, cache.beats(), cache.pending),
             bounded,
             effort,
@@ -223,7 +208,7 @@ impl ExactMachineShape {
     pub fn hit_fields(&self) -> Vec<(&'static str, u32)> {
         let words = self.bounded.words;
         let count_bits = self.bounded.counter_bits() - 1;
-        vec![
+        let mut fields = vec![
             ("id", ID_BITS),
             ("i", words.root_level.max(1)),
             ("j", words.root_level.max(1)),
@@ -232,10 +217,15 @@ impl ExactMachineShape {
             ("way", self.bounded.way_bits()),
             ("slope", words.slope_bits),
             ("depth", words.height_bits),
-            ("steps", count_bits),
-            ("crossings", count_bits),
-            ("guard", 1),
-        ]
+        ];
+        if self.counters {
+            fields.extend([
+                ("steps", count_bits),
+                ("crossings", count_bits),
+                ("guard", 1),
+            ]);
+        }
+        fields
     }
 
     /// The ports that a ray comes in by, behind valid and id.
@@ -262,9 +252,13 @@ impl ExactMachineShape {
             ("leaves_u", 1),
             ("leaves_back", 1),
             ("resumes", 1),
-            ("steps", shape.counter_bits()),
-            ("crossings", shape.counter_bits()),
         ]);
+        if self.counters {
+            registers.extend([
+                ("steps", shape.counter_bits()),
+                ("crossings", shape.counter_bits()),
+            ]);
+        }
         registers
     }
 
@@ -301,20 +295,34 @@ impl ExactMachineShape {
         ]
     }
 
-    /// The registers of a walk that waits for its verdict, or has it.
-    pub fn leaf_walk_registers(&self) -> Vec<(&'static str, u32)> {
-        let fields = self.leaf_fifo.fields.iter();
-        let names = ["slot", "texel_u", "texel_v"].into_iter();
-        let names = names.chain(KEPT_NAMES[..self.bounded.line_levels()].iter().copied());
-        let names = names.chain([
-            "leaves_u",
-            "leaves_back",
-            "steps",
-            "crossings",
-            "depth",
-            "guard",
-        ]);
-        names.zip(fields).map(|(name, f)| (name, f.width)).collect()
+    /// The registers of a walk at a place of the leaf check: `waiting`, `check` or `answer`.
+    pub fn leaf_walk_registers(&self, place: &str) -> Vec<(&'static str, u32)> {
+        let bounded = self.bounded;
+        let cells = bounded.lines().cells() as u32;
+        let mut registers = vec![
+            ("slot", self.slot_bits()),
+            ("texel_u", bounded.index_bits()),
+            ("texel_v", bounded.index_bits()),
+        ];
+        let kept = KEPT_NAMES[..bounded.line_levels()].iter();
+        registers.extend(kept.map(|&name| (name, cells)));
+        registers.extend([("leaves_u", 1), ("leaves_back", 1)]);
+        if place != "answer" {
+            registers.push(("corner_is_known", 1));
+        }
+        if place == "waiting" {
+            registers.push(("v_is_later", 1));
+        }
+        registers.push(("depth", bounded.words.height_bits));
+        if self.counters {
+            let count_bits = bounded.counter_bits() - 1;
+            registers.extend([
+                ("steps", count_bits),
+                ("crossings", count_bits),
+                ("guard", 1),
+            ]);
+        }
+        registers
     }
 
     /// The registers of a ray's constants at the leaf check.
@@ -400,7 +408,7 @@ impl ExactMachineShape {
         ));
         for place in ["waiting", "check", "answer"] {
             signals.push(Declared::register(format!("{place}_valid"), 1, 0));
-            for (name, width) in self.leaf_walk_registers() {
+            for (name, width) in self.leaf_walk_registers(place) {
                 signals.push(data(format!("{place}_{name}"), width));
             }
             for (name, width) in self.leaf_ray_registers() {

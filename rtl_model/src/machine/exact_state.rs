@@ -3,7 +3,7 @@
 use super::exact_shape::ExactMachineShape;
 use crate::arith::Arith;
 use crate::readings::F64Reading;
-use crate::units::bounded_leaf::{LeafCorner, LeafTravel};
+use crate::units::bounded_leaf::{LeafCorner, LeafTravel, SeenCorner};
 use crate::units::bounded_setup::{BoundedEntry, BoundedRay, Division};
 use crate::units::bounded_shape::MOST_BOUNDED_LINES;
 use crate::units::bounded_step::BoundedWalk;
@@ -111,14 +111,17 @@ impl LoopWalk {
         }
     }
 
-    pub fn observe(&self, lines: usize, words: &mut Vec<u64>) {
+    pub fn observe(&self, shape: &ExactMachineShape, words: &mut Vec<u64>) {
+        let lines = shape.bounded.line_levels();
         words.extend([self.line, self.i, self.j].map(|word| word as u64));
         words.push(self.from_own_line.into());
         words.extend([self.column, self.row].map(|word| word as u64));
         words.extend(self.kept[..lines].iter().map(|&mask| mask as u64));
         words.extend([u64::from(self.leaves_u), self.leaves_back.into()]);
         words.push(self.resumes.into());
-        words.extend([self.steps, self.crossings].map(|word| word as u64));
+        if shape.counters {
+            words.extend([self.steps, self.crossings].map(|word| word as u64));
+        }
     }
 }
 
@@ -135,36 +138,37 @@ pub(super) struct Trip {
     /// Of the line that is read, in the cache's line.
     pub place: i64,
     pub missed: bool,
+    /// The bounds of a new ray's first block.
+    pub own: (i64, i64),
     pub heights: [i64; MOST_CELLS],
     pub after: LoopWalk,
     pub depth: i64,
     pub guard: bool,
     pub near: (i64, i64),
+    pub corner_is_known: bool,
+    pub v_is_later: bool,
     pub writes: bool,
     pub ends: bool,
 }
 
 impl Trip {
-    /// What the walk puts into the FIFO before the leaf check, and how many fields that is.
-    pub fn leaf_fields(&self, shape: &ExactMachineShape) -> ([u64; 16], usize) {
-        let mut fields = [0; 16];
+    /// The walk as it waits for the leaf check.
+    pub fn leaf_walk(&self) -> LeafWalk {
         let walk = &self.after;
-        let index = |texel: i64| texel as u64 & ((1 << shape.bounded.index_bits()) - 1);
-        let lines = shape.bounded.line_levels();
-        fields[..3].copy_from_slice(&[self.slot, index(walk.i), index(walk.j)]);
-        for (field, &mask) in fields[3..].iter_mut().zip(&walk.kept[..lines]) {
-            *field = mask as u64;
+        LeafWalk {
+            slot: self.slot,
+            i: walk.i,
+            j: walk.j,
+            kept: walk.kept,
+            leaves_u: walk.leaves_u,
+            leaves_back: walk.leaves_back,
+            corner_is_known: self.corner_is_known,
+            v_is_later: self.v_is_later,
+            depth: self.depth,
+            steps: walk.steps,
+            crossings: walk.crossings,
+            guard: self.guard,
         }
-        let rest = [
-            walk.leaves_u.into(),
-            walk.leaves_back.into(),
-            walk.steps as u64,
-            walk.crossings as u64,
-            self.depth as u64,
-            self.guard.into(),
-        ];
-        fields[3 + lines..9 + lines].copy_from_slice(&rest);
-        (fields, 9 + lines)
     }
 }
 
@@ -177,36 +181,15 @@ pub(super) struct LeafWalk {
     pub kept: [i64; MOST_BOUNDED_LINES],
     pub leaves_u: bool,
     pub leaves_back: bool,
+    pub corner_is_known: bool,
+    pub v_is_later: bool,
+    pub depth: i64,
     pub steps: i64,
     pub crossings: i64,
-    pub depth: i64,
     pub guard: bool,
 }
 
 impl LeafWalk {
-    pub fn of_fields(shape: &ExactMachineShape, fields: &[u64]) -> LeafWalk {
-        let lines = shape.bounded.line_levels();
-        let above = 64 - shape.bounded.index_bits();
-        let index = |word: u64| (word << above) as i64 >> above;
-        let mut kept = [0; MOST_BOUNDED_LINES];
-        for (mask, &field) in kept[..lines].iter_mut().zip(&fields[3..]) {
-            *mask = field as i64;
-        }
-        let rest = &fields[3 + lines..];
-        LeafWalk {
-            slot: fields[0],
-            i: index(fields[1]),
-            j: index(fields[2]),
-            kept,
-            leaves_u: rest[0] != 0,
-            leaves_back: rest[1] != 0,
-            steps: rest[2] as i64,
-            crossings: rest[3] as i64,
-            depth: rest[4] as i64,
-            guard: rest[5] != 0,
-        }
-    }
-
     /// The walk as it goes back into the loop, refused.
     pub fn resumed(&self) -> LoopWalk {
         LoopWalk {
@@ -225,12 +208,27 @@ impl LeafWalk {
         }
     }
 
-    pub fn observe(&self, lines: usize, words: &mut Vec<u64>) {
+    /// What bounds say of the texel's near corner.
+    pub fn corner<A: Arith<Int = i64, Bit = bool>>(&self) -> SeenCorner<A> {
+        SeenCorner {
+            is_known: self.corner_is_known,
+            v_is_later: self.v_is_later,
+        }
+    }
+
+    /// `corner` says how much of what bounds say of the corner is still held there.
+    pub fn observe(&self, shape: &ExactMachineShape, corner: usize, words: &mut Vec<u64>) {
         words.extend([self.slot, self.i as u64, self.j as u64]);
+        let lines = shape.bounded.line_levels();
         words.extend(self.kept[..lines].iter().map(|&mask| mask as u64));
         words.extend([u64::from(self.leaves_u), self.leaves_back.into()]);
-        words.extend([self.steps, self.crossings, self.depth].map(|word| word as u64));
-        words.push(self.guard.into());
+        let seen = [u64::from(self.corner_is_known), self.v_is_later.into()];
+        words.extend_from_slice(&seen[..corner]);
+        words.push(self.depth as u64);
+        if shape.counters {
+            words.extend([self.steps as u64, self.crossings as u64]);
+            words.push(self.guard.into());
+        }
     }
 }
 

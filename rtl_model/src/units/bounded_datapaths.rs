@@ -13,7 +13,7 @@
 //! | [`LeafVerdict`] | 1 | hit, by which side, or refused |
 
 use super::bounded_leaf::{
-    corner_bits, corner_digit, corner_digits, corner_start, leaf_place, leaf_verdict, leaf_ways,
+    SeenCorner, corner_bits, corner_digit, corner_digits, corner_start, leaf_place, leaf_verdict, leaf_ways,
     travel_digit,
 };
 use super::bounded_setup::{
@@ -106,6 +106,8 @@ impl BoundedDatapath {
                 ("j", Integer(shape.index_bits())),
                 ("slope_u", slope),
                 ("slope_v", slope),
+                ("corner_is_known", Bit),
+                ("v_is_later", Bit),
             ],
             LeafTravel(_) => vec![
                 ("slope_u", slope),
@@ -193,7 +195,11 @@ impl BoundedDatapath {
                 let (i, j) = (row.integer(), row.integer());
                 (ray.slope_u, ray.slope_v) = (row.integer(), row.integer());
                 let ways = leaf_ways(a, shape, &ray, i, j);
-                let corner = corner_start(a, shape, &ray, ways);
+                let seen = SeenCorner {
+                    is_known: row.next().bit(),
+                    v_is_later: row.next().bit(),
+                };
+                let corner = corner_start(a, shape, &ray, ways, seen);
                 integers(&[
                     ("way_u", ways.0),
                     ("way_v", ways.1),
@@ -247,7 +253,7 @@ impl BoundedDatapath {
                 let verdict = leaf_verdict(a, shape, &ray, ways, &place, error);
                 vec![
                     (
-                        "needs_corner",
+                        "is_before",
                         Signal::Bit(a.or(place.is_before_u, place.is_before_v)),
                     ),
                     ("refused", Signal::Bit(verdict.refused)),
@@ -362,6 +368,8 @@ fn step_outputs<A: Arith>(
     outputs.extend(names.map(|(name, _)| name).zip(signals));
     outputs.push(("t_near_u", Signal::Integer(result.t_near.0)));
     outputs.push(("t_near_v", Signal::Integer(result.t_near.1)));
+    outputs.push(("corner_is_known", Signal::Bit(result.corner.is_known)));
+    outputs.push(("v_is_later", Signal::Bit(result.corner.v_is_later)));
     outputs
 }
 

@@ -8,10 +8,11 @@
 //!    hits the top.
 //! 2. *Which border is crossed first?* Only of a ray that is still before the texel at its depth,
 //!    and may pass by: the error term of [`super::fixed_setup`] at the near corner, by
-//!    [`corner_digit`]. It tells by which side the ray comes in, or that it does not.
+//!    [`corner_digit`]. It tells by which side the ray comes in, or that it does not. Where the bounds
+//!    of the texel's borders tell already ([`SeenCorner`]), it is not computed: 0 or -1 stands for it.
 
 use super::bounded_shape::BoundedShape;
-use super::fixed_setup::{FixedRayRegisters, shift_left_by};
+use super::fixed_setup::{FixedRayRegisters, shift_left_by, shift_right_by};
 use crate::arith::Arith;
 
 /// The way of a ray to a texel, as far as the digits of its depth go.
@@ -71,6 +72,23 @@ impl<A: Arith> Clone for LeafCorner<A> {
 }
 
 impl<A: Arith> Copy for LeafCorner<A> {}
+
+/// What a step says of the near corner of the texel that it comes to.
+#[derive(Debug)]
+pub struct SeenCorner<A: Arith> {
+    /// Its near borders are crossed in the order of their bounds, and both before either far one.
+    pub is_known: A::Bit,
+    /// If so: that on v later.
+    pub v_is_later: A::Bit,
+}
+
+impl<A: Arith> Clone for SeenCorner<A> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<A: Arith> Copy for SeenCorner<A> {}
 
 /// What a leaf check answers.
 #[derive(Debug)]
@@ -137,15 +155,27 @@ pub fn leaf_place<A: Arith>(
     travel: &LeafTravel<A>,
 ) -> LeafPlace<A> {
     let zero = a.int_constant(0);
-    let texel = a.int_constant(1 << shape.words.fraction_bits());
-    let entry_texel = a.int_constant(1 << shape.words.entry_fraction_bits);
+    let one = a.int_constant(1);
+    let fraction_bits = shape.words.fraction_bits();
+    // Against 0 and a texel, by the bits: there is nothing to subtract.
     let mut axis = |way, position| {
-        let is_behind = a.int_less_than(way, entry_texel);
-        let is_behind = a.not(is_behind);
-        let passes = a.int_less_than(texel, position);
         let starts_before = a.int_less_than(way, zero);
-        let is_inside = a.int_less_than(zero, position);
-        let is_outside = a.not(is_inside);
+        let texels = shift_right_by(a, way, shape.words.entry_fraction_bits);
+        let is_first = a.int_equal(texels, zero);
+        let is_ahead = a.or(starts_before, is_first);
+        let is_behind = a.not(is_ahead);
+        let is_negative = a.int_less_than(position, zero);
+        let texels = shift_right_by(a, position, fraction_bits);
+        let fraction = a.int_low_bits(position, fraction_bits);
+        let at_border = a.int_equal(fraction, zero);
+        let below_one = a.int_equal(texels, zero);
+        let at_one = a.int_equal(texels, one);
+        let at_far = a.and(at_one, at_border);
+        let at_near = a.and(below_one, at_border);
+        let stays = a.or(is_negative, below_one);
+        let stays = a.or(stays, at_far);
+        let passes = a.not(stays);
+        let is_outside = a.or(is_negative, at_near);
         (a.or(is_behind, passes), a.and(starts_before, is_outside))
     };
     let (beyond_u, is_before_u) = axis(ways.0, travel.u);
@@ -157,12 +187,14 @@ pub fn leaf_place<A: Arith>(
     }
 }
 
-/// The error term before its first digit: that of the signs of the ways.
+/// The error term before its first digit: that of the signs of the ways. Or, where the corner is known,
+/// one of which the verdict is the same as of the error term itself: there are no digits then.
 pub fn corner_start<A: Arith>(
     a: &mut A,
     shape: BoundedShape,
     ray: &FixedRayRegisters<A>,
     (u, v): (A::Int, A::Int),
+    corner: SeenCorner<A>,
 ) -> LeafCorner<A> {
     let zero = a.int_constant(0);
     let u_is_negative = a.int_less_than(u, zero);
@@ -170,6 +202,9 @@ pub fn corner_start<A: Arith>(
     let up = a.int_select(u_is_negative, ray.slope_v, zero);
     let down = a.int_select(v_is_negative, ray.slope_u, zero);
     let error = a.int_sub(up, down);
+    let minus_one = a.int_constant(-1);
+    let seen = a.int_select(corner.v_is_later, minus_one, zero);
+    let error = a.int_select(corner.is_known, seen, error);
     let digits = shape.way_bits() - 1;
     LeafCorner {
         u: a.int_low_bits(u, digits),
@@ -235,8 +270,9 @@ pub fn leaf_verdict<A: Arith>(
     let v_is_left = a.int_less_than(texel_u, error);
     let texel_v = shift_left_by(a, ray.slope_v, slope_bits, fraction);
     let at_far_u = a.int_add(error, texel_v);
-    let u_is_entered = a.int_less_than(zero, at_far_u);
-    let u_is_left = a.not(u_is_entered);
+    let is_left_before = a.int_less_than(at_far_u, zero);
+    let is_left_there = a.int_equal(at_far_u, zero);
+    let u_is_left = a.or(is_left_before, is_left_there);
     let v_is_ahead = a.int_less_than(ways.1, zero);
     let u_is_left = a.and(u_is_left, v_is_ahead);
     let passes_by = a.or(v_is_left, u_is_left);
@@ -263,6 +299,7 @@ pub fn leaf_check<A: Arith>(
     ray: &FixedRayRegisters<A>,
     (i, j): (A::Int, A::Int),
     depth: A::Int,
+    seen: SeenCorner<A>,
 ) -> LeafVerdict<A> {
     let ways = leaf_ways(a, shape, ray, i, j);
     let mut travel = LeafTravel {
@@ -274,9 +311,11 @@ pub fn leaf_check<A: Arith>(
         travel = travel_digit(a, shape, ray, &travel);
     }
     let place = leaf_place(a, shape, ways, &travel);
-    let mut corner = corner_start(a, shape, ray, ways);
+    let start = corner_start(a, shape, ray, ways, seen);
+    let mut corner = start;
     for _ in 0..corner_digits(shape) {
         corner = corner_digit(a, shape, ray, &corner);
     }
-    leaf_verdict(a, shape, ray, ways, &place, corner.error)
+    let error = a.int_select(seen.is_known, start.error, corner.error);
+    leaf_verdict(a, shape, ray, ways, &place, error)
 }

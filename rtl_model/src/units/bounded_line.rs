@@ -10,8 +10,17 @@ use super::bounded_shape::BoundedShape;
 use super::fixed_setup::shift_right_by;
 use super::wide_shape::{MOST_CELLS, MOST_SIDE};
 use super::wide_step::{CANDIDATES, ON_PATH};
-use super::wide_walk::{Sight, select_bit};
+use super::wide_walk::{Sight, mask, select_bit};
 use crate::arith::Arith;
+
+/// What bounds say of a cell's corners, with the bit of a cell its place in path order.
+pub(super) struct SeenCorners<A: Arith> {
+    /// The order of the near borders is not in doubt, nor is it that the ray enters the cell before it
+    /// leaves it.
+    pub(super) are_known: A::Int,
+    /// The near border on v is crossed after that on u.
+    pub(super) v_is_later: A::Int,
+}
 
 /// The bounds of a line's column or row borders.
 struct Bounds<A: Arith> {
@@ -75,7 +84,7 @@ pub(super) fn bounded_line<A: Arith>(
     near: (A::Int, A::Int),
     cell: (A::Int, A::Int),
     heights: &[A::Int],
-) -> Sight<A> {
+) -> (Sight<A>, SeenCorners<A>) {
     let lines = shape.lines();
     let side = lines.side();
     let u = bounds(a, shape, &NAMES_U, near.0, cell.0);
@@ -89,10 +98,6 @@ pub(super) fn bounded_line<A: Arith>(
     let minus_one = a.int_constant(-1);
     for column in 0..=side {
         for row in 0..=side {
-            // Both near borders are not asked for, nor the corner that no cell on a path is at.
-            if column + row == 0 || (column == side && row == 0) {
-                continue;
-            }
             let lead = a.int_sub(v.order[row], u.order[column]);
             // By two or more: a sign and its other bits, which is less than a comparator.
             let is_negative = a.int_less_than(lead, zero);
@@ -114,6 +119,8 @@ pub(super) fn bounded_line<A: Arith>(
     // instead, which is less.
     let within = within(a, shape, ray, &u, &v, heights);
     let mut candidates = [no; MOST_CELLS];
+    let mut are_known = [no; MOST_CELLS];
+    let mut v_is_later = [no; MOST_CELLS];
     for (place, &(column, row)) in lines.path_order().iter().enumerate() {
         let mut on_path = u_may_be_first[column][row + 1];
         if column + 1 < side || row > 0 {
@@ -125,6 +132,16 @@ pub(super) fn bounded_line<A: Arith>(
         a.name_bit(ON_PATH[place], on_path);
         candidates[place] = a.and(on_path, within[place]);
         a.name_bit(CANDIDATES[place], candidates[place]);
+
+        v_is_later[place] = a.not(v_may_be_first[column][row]);
+        let u_is_later = a.not(u_may_be_first[column][row]);
+        let in_order = a.or(u_is_later, v_is_later[place]);
+        let in_doubt = a.or(
+            v_may_be_first[column][row + 1],
+            u_may_be_first[column + 1][row],
+        );
+        let on_path = a.not(in_doubt);
+        are_known[place] = a.and(in_order, on_path);
     }
 
     // Of two blocks beside a corner in doubt the one on u comes first; there the near border on u
@@ -133,11 +150,17 @@ pub(super) fn bounded_line<A: Arith>(
     a.name_bit("leaves_u", leaves_u);
     let leaves_back = a.and(u_may_be_first[0][side], v_may_be_first[0][side]);
     a.name_bit("leaves_back", leaves_back);
-    Sight {
+    let cells = lines.cells();
+    let corners = SeenCorners {
+        are_known: mask(a, &are_known[..cells]),
+        v_is_later: mask(a, &v_is_later[..cells]),
+    };
+    let sight = Sight {
         candidates,
         leaves_u,
         leaves_back,
-    }
+    };
+    (sight, corners)
 }
 
 fn bounds<A: Arith>(

@@ -264,13 +264,19 @@ fn division<A: Arith>(
     let beyond = a.int_low_bits(entry, words.entry_fraction_bits);
     let way = a.int_sub(texel, beyond);
     a.name_int(names.way, way);
-    let is_steep = a.int_less_than(texel, slope);
-    let delta_saturates = a.not(is_steep);
+    // A texel or less: by the bits, there is nothing to subtract.
+    let texels = shift_right_by(a, slope, words.entry_fraction_bits);
+    let fraction = a.int_low_bits(slope, words.entry_fraction_bits);
+    let none = a.int_constant(0);
+    let is_less = a.int_equal(texels, none);
+    let is_one = a.int_equal(texels, one);
+    let is_whole = a.int_equal(fraction, none);
+    let is_a_texel = a.and(is_one, is_whole);
+    let delta_saturates = a.or(is_less, is_a_texel);
     a.name_bit(names.saturates[0], delta_saturates);
     let reaches = a.int_less_than(way, slope);
     let first_saturates = a.not(reaches);
     a.name_bit(names.saturates[1], first_saturates);
-    let none = a.int_constant(0);
     let division = Division {
         delta_remainder: texel,
         first_remainder: way,
@@ -287,9 +293,8 @@ fn division<A: Arith>(
 /// [`super::wide_shape::WideShape::start_reach_log2`].
 fn start_line<A: Arith>(a: &mut A, shape: BoundedShape, ray: &FixedRayRegisters<A>) -> A::Int {
     let words = shape.words;
-    let u_is_longer = a.int_less_than(ray.slope_v, ray.slope_u);
-    let slope = a.int_select(u_is_longer, ray.slope_u, ray.slope_v);
-    a.name_int("longer_slope", slope);
+    // The longer one has a bit there if either has.
+    let slopes = a.int_or(ray.slope_u, ray.slope_v);
     let mut line = a.int_constant(0);
     for n in 1..shape.line_levels() {
         let reach_log2 = shape.lines().start_reach_log2(shape.lines().line_level(n));
@@ -299,9 +304,10 @@ fn start_line<A: Arith>(a: &mut A, shape: BoundedShape, ray: &FixedRayRegisters<
         if bits >= words.slope_bits {
             break;
         }
-        let beyond = shift_right_by(a, slope, bits);
+        let beyond = shift_right_by(a, slopes, bits);
         let zero = a.int_constant(0);
-        let reaches = a.int_less_than(zero, beyond);
+        let stays = a.int_equal(beyond, zero);
+        let reaches = a.not(stays);
         let higher = a.int_constant(n as i64);
         line = a.int_select(reaches, higher, line);
     }

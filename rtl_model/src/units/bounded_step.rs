@@ -14,6 +14,7 @@
 //! small memory by ray and line number: a step reads the *base* that its block is found from (of the line
 //! above, or of the start line's own last block, from which it crosses), and writes its own.
 
+use super::bounded_leaf::SeenCorner;
 use super::bounded_line::{bounded_line, depth_of};
 use super::bounded_setup::{BoundedRay, by_line};
 use super::bounded_shape::{BoundedShape, LINE_BITS, MOST_BOUNDED_LINES, PLACE_BITS};
@@ -73,6 +74,8 @@ pub struct BoundedStepResult<A: Arith> {
     pub walk: BoundedWalk<A>,
     /// The bounds of the near borders of the block read, on u and v: to be kept as those of its line.
     pub t_near: (A::Int, A::Int),
+    /// Of a texel that the walk has come to: what bounds say of its near corner.
+    pub corner: SeenCorner<A>,
 }
 
 /// The walk before its first step: the start line's own block, whose bounds the setup has made.
@@ -175,7 +178,7 @@ pub fn bounded_step<A: Arith>(
         walk.column,
     );
     let (cell_v, near_v) = near_border(a, shape, &NEAR_V, (ray.t_delta_v, walk), base.1, walk.row);
-    let sight = bounded_line(a, shape, ray, (near_u, near_v), (cell_u, cell_v), heights);
+    let (sight, corners) = bounded_line(a, shape, ray, (near_u, near_v), (cell_u, cell_v), heights);
 
     let ended = a.or(walk.hit, walk.guard);
     a.name_bit("ended", ended);
@@ -218,7 +221,11 @@ pub fn bounded_step<A: Arith>(
     let none_left = a.int_equal(taken_mask, zero);
     a.name_bit("none_left", none_left);
     let First {
-        rest, column, row, ..
+        rest,
+        first,
+        column,
+        row,
+        ..
     } = first_of(a, lines, taken_mask);
 
     // Or the next block of the start line.
@@ -319,6 +326,19 @@ pub fn bounded_step<A: Arith>(
     let guard = a.or(walk.guard, bound_reached);
     a.name_bit("next_guard", guard);
 
+    // A texel is of the line read, so that these are its borders.
+    let of_first = [corners.are_known, corners.v_is_later].map(|cells| {
+        let of_first = a.int_and(cells, first);
+        let is_not = a.int_equal(of_first, zero);
+        a.not(is_not)
+    });
+    let corner = SeenCorner {
+        is_known: of_first[0],
+        v_is_later: of_first[1],
+    };
+    a.name_bit("corner_is_known", corner.is_known);
+    a.name_bit("v_is_later", corner.v_is_later);
+
     BoundedStepResult {
         walk: BoundedWalk {
             line,
@@ -338,6 +358,7 @@ pub fn bounded_step<A: Arith>(
             depth,
         },
         t_near: (near_u, near_v),
+        corner,
     }
 }
 

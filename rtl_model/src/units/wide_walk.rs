@@ -250,6 +250,7 @@ pub(super) fn advance<A: Arith>(
         place,
         column,
         row,
+        ..
     } = first_of(a, shape, taken_mask);
 
     // Its index: that of the block it lies in, and its place there.
@@ -375,6 +376,8 @@ pub(super) fn wide_texel<A: Arith>(
 /// The first cell of a mask, and what the mask is without it.
 pub(super) struct First<A: Arith> {
     pub(super) rest: A::Int,
+    /// The cell alone.
+    pub(super) first: A::Int,
     /// Its place in path order, its column and its row.
     pub(super) place: A::Int,
     pub(super) column: A::Int,
@@ -408,6 +411,7 @@ pub(super) fn first_of<A: Arith>(a: &mut A, shape: WideShape, taken_mask: A::Int
     a.name_int("taken_row", row);
     First {
         rest,
+        first,
         place,
         column,
         row,

@@ -18,16 +18,21 @@ impl Build<'_> {
         self.b.connect_enabled(register, value, enable);
     }
 
-    /// Words side by side in memories of up to 64 bits; answers what is read.
-    pub(super) fn memory(
+    /// Words side by side in block RAMs of up to 64 bits; answers what is read into registers. Whatever is
+    /// written at the edge at which it would be read is not read: the register keeps what it had.
+    pub(super) fn read_memory(
         &mut self,
         name: &str,
-        words: u32,
         fields: &[Wire],
-        (enable, write): (Wire, Wire),
-        read: Wire,
+        (writes, write): (Wire, Wire),
+        (reads, read): (Wire, Wire),
     ) -> Vec<Wire> {
         let b = &mut self.b;
+        let same = b.equal(write, read);
+        let collides = b.and(writes, same);
+        let apart = b.not(collides);
+        let enable = b.and(reads, apart);
+        let words = 1 << b.width(write);
         let mut groups: Vec<Vec<Wire>> = Vec::new();
         let mut bits = 65;
         for &field in fields {
@@ -42,8 +47,10 @@ impl Build<'_> {
         for (number, group) in groups.iter().enumerate() {
             let data = b.concat(group);
             let memory = b.memory(&format!("{name}_{number}"), words, b.width(data));
-            b.memory_write(memory, enable, write, data);
+            b.memory_in_block(memory);
+            b.memory_write(memory, writes, write, data);
             let word = b.memory_read(memory, read);
+            let word = b.registered(word, Some(enable), None);
             let mut high = b.width(word);
             for &field in group {
                 let width = b.width(field);
@@ -52,6 +59,15 @@ impl Build<'_> {
             }
         }
         outputs
+    }
+
+    /// Names the words read after their registers in the declaration.
+    pub(super) fn name_read(&mut self, place: &str, names: &[&str], words: Vec<Wire>) {
+        for (name, word) in names.iter().zip(words) {
+            let name = format!("{place}_{name}");
+            self.b.name(word, &name);
+            self.wires.put(&name, word);
+        }
     }
 
     /// Is a count at least this?

@@ -19,7 +19,7 @@ impl ExactMachine {
         traced.words.clear();
         exact_trip(
             traced,
-            self.shape.bounded,
+            (self.shape.bounded, self.shape.counters),
             &trip.ray.bounded(),
             &trip.walk.bounded(),
             trip.base,
@@ -29,17 +29,22 @@ impl ExactMachine {
         words.extend_from_slice(&traced.words);
     }
 
-    /// Appends what stands in front of a stage: valid, slot, fresh, missed, the place in the cache's
-    /// line, then the inputs of the trip's datapath in their order.
+    /// Appends what stands in front of the first stage beside the walk: valid, slot, fresh.
+    pub fn observe_entry(&self, words: &mut Vec<u64>) {
+        let trip = self.stage(0);
+        words.extend([u64::from(trip.valid), trip.slot, trip.fresh.into()]);
+    }
+
+    /// Appends what stands in front of a stage, of those behind the first: missed, the place in the
+    /// cache's line, then the inputs of the trip's datapath in their order.
     pub fn observe_stage(&self, stage: u32, words: &mut Vec<u64>) {
         let trip = self.stage(stage as usize);
-        words.extend([u64::from(trip.valid), trip.slot, trip.fresh.into()]);
         words.extend([trip.missed.into(), trip.place as u64]);
         let ray = &trip.ray;
         words.extend([ray.t_delta_u as u64, ray.t_delta_v as u64]);
         words.extend([u64::from(ray.mirror_u), ray.mirror_v.into()]);
         words.push(ray.start_line as u64);
-        trip.walk.observe(self.shape.bounded.line_levels(), words);
+        trip.walk.observe(&self.shape, words);
         words.extend([trip.base.0 as u64, trip.base.1 as u64]);
         words.extend([u64::from(trip.fresh), trip.missed.into()]);
         let cells = self.shape.bounded.lines().cells();
@@ -50,7 +55,6 @@ impl ExactMachine {
     /// the FIFO, the cache and the read port. Words of integers have the sign in front.
     pub fn observe(&self, inputs: &ExactInputs, words: &mut Vec<u64>) {
         let outputs = self.outputs(inputs);
-        let lines = self.shape.bounded.line_levels();
         words.extend([u64::from(outputs.ray_ready), outputs.hit_valid.into()]);
         let hit = self.hit();
         words.extend([
@@ -62,10 +66,10 @@ impl ExactMachine {
             hit.way as u64,
             hit.slope as u64,
             hit.depth as u64,
-            hit.steps.into(),
-            hit.crossings.into(),
-            hit.guard.into(),
         ]);
+        if self.shape.counters {
+            words.extend([u64::from(hit.steps), hit.crossings.into(), hit.guard.into()]);
+        }
         words.extend([
             u64::from(outputs.ar.valid),
             outputs.ar.address,
@@ -95,18 +99,18 @@ impl ExactMachine {
         words.push(self.free_slots);
         words.extend([u64::from(outputs.recirculates), outputs.ends.into()]);
         words.extend([u64::from(outputs.returns), outputs.admits.into()]);
-        self.stage(0).walk.observe(lines, words);
+        self.stage(0).walk.observe(&self.shape, words);
         words.extend([u64::from(self.lookup_valid), self.lookup_address as u64]);
         words.push(self.waiting_valid.into());
-        self.waiting.0.observe(lines, words);
+        self.waiting.0.observe(&self.shape, 2, words);
         self.waiting.1.observe_leaf(words);
         words.push(self.check_valid.into());
-        self.check.walk.observe(lines, words);
+        self.check.walk.observe(&self.shape, 1, words);
         let ray = &self.check.ray;
         words.extend([u64::from(ray.id), ray.slope_u as u64, ray.slope_v as u64]);
         words.extend([u64::from(ray.mirror_u), ray.mirror_v.into()]);
         words.push(self.answer_valid.into());
-        self.answer.walk.observe(lines, words);
+        self.answer.walk.observe(&self.shape, 0, words);
         let ray = &self.answer.ray;
         words.extend([u64::from(ray.id), ray.mirror_u.into(), ray.mirror_v.into()]);
         self.check.observe(words);
@@ -115,13 +119,9 @@ impl ExactMachine {
         words.extend([u64::from(answer.at_border_v), answer.way as u64]);
         words.push(answer.slope as u64);
 
-        let (fields, count) = self.last_stage().leaf_fields(&self.shape);
-        let waits = self.leaf_fifo.outputs().out_valid && !self.waiting_valid;
-        let mut driven = [0; 20];
-        driven[0] = outputs.ends.into();
-        driven[1..=count].copy_from_slice(&fields[..count]);
-        driven[count + 1] = waits.into();
-        self.leaf_fifo.observe(&driven[..count + 2], words);
+        let waits = self.waits();
+        let driven = [outputs.ends.into(), self.last_stage().slot, waits.into()];
+        self.leaf_fifo.observe(&driven, words);
         let cache = self.cache.outputs();
         let port = self.port_outputs(inputs);
         let driven = [
