@@ -304,12 +304,20 @@ fn faulty_walk(
         if !walk.hit {
             continue;
         }
-        let mut verdict = leaf_check(a, shape, &ray.fixed, (walk.i, walk.j), walk.depth, result.corner);
+        let mut verdict = leaf_check(
+            a,
+            shape,
+            &ray.fixed,
+            (walk.i, walk.j),
+            walk.depth,
+            result.corner,
+        );
         match fault {
             Fault::LeavesAreNotChecked => verdict.refused = false,
             Fault::TopsAreSides => {
                 let depth = walk.depth - 1;
-                let below = leaf_check(a, shape, &ray.fixed, (walk.i, walk.j), depth, result.corner);
+                let below =
+                    leaf_check(a, shape, &ray.fixed, (walk.i, walk.j), depth, result.corner);
                 verdict.at_border_u |= walk.depth > 0 && below.at_border_u;
             }
             _ => {}

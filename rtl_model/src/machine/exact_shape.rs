@@ -248,11 +248,7 @@ impl ExactMachineShape {
             ("row", PLACE_BITS),
         ];
         registers.extend(KEPT_NAMES[..shape.line_levels()].iter().map(|&n| (n, mask)));
-        registers.extend([
-            ("leaves_u", 1),
-            ("leaves_back", 1),
-            ("resumes", 1),
-        ]);
+        registers.extend([("leaves_u", 1), ("leaves_back", 1), ("resumes", 1)]);
         if self.counters {
             registers.extend([
                 ("steps", shape.counter_bits()),

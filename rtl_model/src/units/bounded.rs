@@ -52,7 +52,14 @@ pub fn bounded_walk_in<A: Concrete>(
         if !walk.hit && !walk.guard {
             continue;
         }
-        let verdict = leaf_check(a, shape, &ray.fixed, (walk.i, walk.j), walk.depth, result.corner);
+        let verdict = leaf_check(
+            a,
+            shape,
+            &ray.fixed,
+            (walk.i, walk.j),
+            walk.depth,
+            result.corner,
+        );
         if walk.hit && verdict.refused {
             refusals += 1;
             walk = bounded_walk_after_leaf(a, &walk, true);

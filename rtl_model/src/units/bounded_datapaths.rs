@@ -13,8 +13,8 @@
 //! | [`LeafVerdict`] | 1 | hit, by which side, or refused |
 
 use super::bounded_leaf::{
-    SeenCorner, corner_bits, corner_digit, corner_digits, corner_start, leaf_place, leaf_verdict, leaf_ways,
-    travel_digit,
+    SeenCorner, corner_bits, corner_digit, corner_digits, corner_start, leaf_place, leaf_verdict,
+    leaf_ways, travel_digit,
 };
 use super::bounded_setup::{
     BoundedEntry, BoundedRay, Division, setup_digit, setup_end, setup_entry,
