@@ -21,7 +21,7 @@ pub use ports::{ExactCounts, ExactHit, ExactInputs, ExactOutputs};
 
 use super::exact_shape::{ExactMachineShape, READ_STAGE};
 use super::exact_state::{Checking, LeafWalk, LoopWalk, SetUp, SlotRay, Trip, fixed_ray};
-use super::exact_trip::exact_trip;
+use super::exact_trip::{curve_address, exact_trip};
 use super::fifo::Fifo;
 use super::height_cache::{HeightCache, HeightCacheInputs};
 use super::read_port::{ReadPort, ReadPortInputs, ReadPortOutputs};
@@ -31,7 +31,6 @@ use crate::units::bounded_leaf::{
 };
 use crate::units::bounded_setup::{setup_digit, setup_end, setup_entry};
 use crate::units::bounded_shape::LINE_BITS;
-use crate::units::bounded_step::bounded_address;
 
 /// The exact machine.
 #[derive(Clone, Debug)]
@@ -73,7 +72,7 @@ impl ExactMachine {
         let slots = shape.effort.slots as usize;
         let line_words = shape.bounded.line_levels().next_power_of_two().max(2);
         let mut machine = ExactMachine {
-            setups: vec![SetUp::default(); shape.effort.setups as usize],
+            setups: vec![SetUp::default(); shape.setup_places() as usize],
             free_slots: u64::MAX >> (64 - shape.effort.slots),
             rays: vec![SlotRay::default(); slots],
             ended: vec![LeafWalk::default(); slots],
@@ -286,13 +285,11 @@ impl ExactMachine {
     fn admit(&mut self, slot: u64) -> (LoopWalk, (i64, i64)) {
         let shape = self.shape.bounded;
         let a = &mut F64Reading;
-        let set_up = &self.setups[self.setups.len() - 1];
-        let ray = set_up.ray;
-        let (mut u, mut v) = (set_up.u, set_up.v);
-        for _ in 0..self.shape.setup_rest() {
-            u = setup_digit(a, shape, ray.slope_u, &u);
-            v = setup_digit(a, shape, ray.slope_v, &v);
+        let mut set_up = self.setups[self.setups.len() - 1];
+        if self.shape.effort.waiting_rays == 0 {
+            set_up = self.with_rest(set_up);
         }
+        let SetUp { ray, u, v, .. } = set_up;
         self.rays[slot as usize] = SlotRay {
             t_delta_u: u.t_delta,
             t_delta_v: v.t_delta,
@@ -307,6 +304,16 @@ impl ExactMachine {
         };
         let bounds = (setup_end(a, shape, u.t_near), setup_end(a, shape, v.t_near));
         (walk, bounds)
+    }
+
+    /// A ray behind the last setup that makes digits, with those that are left.
+    fn with_rest(&self, mut set_up: SetUp) -> SetUp {
+        let (a, shape) = (&mut F64Reading, self.shape.bounded);
+        for _ in 0..self.shape.setup_rest() {
+            set_up.u = setup_digit(a, shape, set_up.ray.slope_u, &set_up.u);
+            set_up.v = setup_digit(a, shape, set_up.ray.slope_v, &set_up.v);
+        }
+        set_up
     }
 
     fn clock_setups(&mut self, inputs: &ExactInputs) {
@@ -328,6 +335,9 @@ impl ExactMachine {
                         let ray = inputs.ray;
                         let ports = [ray.u, ray.v, ray.du, ray.dv];
                         SetUp::of(inputs.ray_id, &setup_entry(a, shape, ports))
+                    }
+                    _ if number as u32 == self.shape.effort.setups => {
+                        self.with_rest(self.setups[number - 1])
                     }
                     _ => self.setups[number - 1],
                 };
@@ -486,7 +496,7 @@ impl ExactMachine {
         trip.base = if trip.fresh { trip.own } else { self.read_near };
         let mirrors = (trip.ray.mirror_u, trip.ray.mirror_v);
         let walk = trip.walk.bounded::<F64Reading>();
-        trip.address = bounded_address(&mut F64Reading, self.shape.bounded, mirrors, &walk);
+        trip.address = curve_address(&mut F64Reading, self.shape.bounded, mirrors, &walk);
         trip.place = trip.address & ((1 << self.shape.offset_bits()) - 1);
     }
 

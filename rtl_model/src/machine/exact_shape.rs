@@ -1,6 +1,7 @@
 //! What the exact machine is built as: what its golden model and its Verilog share.
 
 use super::declaration::{Declared, bits_for};
+use super::exact_trip::address_on_curve;
 use super::fifo::FifoShape;
 use super::height_cache::{CacheAnswer, HeightCacheShape};
 use super::read_port::{ADDRESS_BITS, ReadPortShape};
@@ -25,6 +26,9 @@ pub struct ExactEffort {
     pub stages: u32,
     /// Setups one behind the other, each with its share of the digits.
     pub setups: u32,
+    /// Rays that may wait behind them, set up, in registers: where several leave the loop one
+    /// after the other, as many follow at once.
+    pub waiting_rays: u32,
     /// Digits that a setup makes a cycle.
     pub setup_digits: u32,
     /// Digits of the depth that the leaf check makes a cycle: 1, 2, 4 or 8.
@@ -39,6 +43,7 @@ impl ExactEffort {
         slots: 16,
         stages: 6,
         setups: 2,
+        waiting_rays: 2,
         setup_digits: 2,
         travel_digits: 2,
         corner_digits: 1,
@@ -48,7 +53,8 @@ impl ExactEffort {
     pub const THROUGHPUT: ExactEffort = ExactEffort {
         slots: 16,
         stages: 6,
-        setups: 4,
+        setups: 3,
+        waiting_rays: 2,
         setup_digits: 3,
         travel_digits: 4,
         corner_digits: 1,
@@ -152,8 +158,16 @@ impl ExactMachineShape {
         4 - 2 * self.bounded.log2_side
     }
 
-    /// Cycles in which a setup makes digits.
+    /// Setups, and behind them those that only hold a ray.
+    pub fn setup_places(&self) -> u32 {
+        self.effort.setups + self.effort.waiting_rays
+    }
+
+    /// Cycles in which a setup makes digits: none where a ray only waits.
     pub fn setup_turns(&self, setup: u32) -> u32 {
+        if self.only_waits(setup) {
+            return 0;
+        }
         let turns = self.bounded.setup_digits() / self.effort.setup_digits;
         turns / self.effort.setups + u32::from(setup < turns % self.effort.setups)
     }
@@ -163,7 +177,12 @@ impl ExactMachineShape {
         bits_for(self.setup_turns(0) + 1).max(1)
     }
 
-    /// Digits that are left to be made on the way out of the last setup.
+    /// Does a ray only wait at this place of the chain of setups?
+    pub fn only_waits(&self, setup: u32) -> bool {
+        setup >= self.effort.setups
+    }
+
+    /// Digits that are left to be made on the way out of the last setup that makes any.
     pub fn setup_rest(&self) -> u32 {
         self.bounded.setup_digits() % self.effort.setup_digits
     }
@@ -188,20 +207,24 @@ impl ExactMachineShape {
         bits_for(self.travel_turns().max(self.corner_turns()) + 1).max(1)
     }
 
-    /// The words that the memory behind the read port holds.
+    /// The words that the memory behind the read port holds: the lines of each level along a Z
+    /// curve ([`curve_address`](super::curve_address)).
     pub fn memory_words(&self, lines: &Lines) -> Vec<u64> {
         let bits = self.bounded.words.height_bits;
+        let cells = self.bounded.lines().cells();
+        let mut heights = vec![0; lines.memory().len()];
+        for (address, line) in (0..).zip(lines.memory().chunks(cells)) {
+            if let Some(address) = address_on_curve(address) {
+                heights[address as usize * cells..][..cells].copy_from_slice(line);
+            }
+        }
         let word = |heights: &[u16]| {
             let places = heights.iter().zip(0u32..);
             places.fold(0, |word, (&height, place)| {
                 word | u64::from(height) << (place * bits)
             })
         };
-        lines
-            .memory()
-            .chunks(64 / bits as usize)
-            .map(word)
-            .collect()
+        heights.chunks(64 / bits as usize).map(word).collect()
     }
 
     /// The fields of a hit: their ports are `hit_NAME_o`.
@@ -291,6 +314,14 @@ impl ExactMachineShape {
         ]
     }
 
+    /// Those of a place in the chain of setups: where a ray only waits, the quotients.
+    pub fn division_registers_of(&self, setup: u32) -> Vec<(&'static str, u32)> {
+        let mut registers = self.division_registers();
+        registers
+            .retain(|(name, _)| !self.only_waits(setup) || ["t_delta", "t_near"].contains(name));
+        registers
+    }
+
     /// The registers of a walk at a place of the leaf check: `waiting`, `check` or `answer`.
     pub fn leaf_walk_registers(&self, place: &str) -> Vec<(&'static str, u32)> {
         let bounded = self.bounded;
@@ -369,15 +400,17 @@ impl ExactMachineShape {
             }
         }
         let data = |name: String, width| Declared::data_register(name, width);
-        for setup in 0..self.effort.setups {
+        for setup in 0..self.setup_places() {
             signals.push(Declared::register(format!("setup_{setup}_busy"), 1, 0));
-            let turns = self.setup_turn_bits();
-            signals.push(Declared::register(format!("setup_{setup}_turns"), turns, 0));
+            if !self.only_waits(setup) {
+                let turns = self.setup_turn_bits();
+                signals.push(Declared::register(format!("setup_{setup}_turns"), turns, 0));
+            }
             for (name, width) in self.ray_registers() {
                 signals.push(data(format!("setup_{setup}_{name}"), width));
             }
             for axis in ["u", "v"] {
-                for (name, width) in self.division_registers() {
+                for (name, width) in self.division_registers_of(setup) {
                     signals.push(data(format!("setup_{setup}_{name}_{axis}"), width));
                 }
             }

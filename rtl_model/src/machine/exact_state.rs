@@ -300,21 +300,25 @@ impl SetUp {
         }
     }
 
-    pub fn observe(&self, words: &mut Vec<u64>) {
-        words.extend([u64::from(self.busy), self.turns.into()]);
+    pub fn observe(&self, only_waits: bool, words: &mut Vec<u64>) {
+        words.push(self.busy.into());
+        if !only_waits {
+            words.push(self.turns.into());
+        }
         self.ray.observe_leaf(words);
         let ray = &self.ray;
         words.extend([ray.start_line, ray.i, ray.j].map(|word| word as u64));
         for division in [&self.u, &self.v] {
-            words.extend([
-                division.delta_remainder as u64,
-                division.first_remainder as u64,
-                division.delta_saturates.into(),
-                division.first_saturates.into(),
-                division.texels_back as u64,
-                division.t_delta as u64,
-                division.t_near as u64,
-            ]);
+            if !only_waits {
+                words.extend([
+                    division.delta_remainder as u64,
+                    division.first_remainder as u64,
+                    division.delta_saturates.into(),
+                    division.first_saturates.into(),
+                    division.texels_back as u64,
+                ]);
+            }
+            words.extend([division.t_delta as u64, division.t_near as u64]);
         }
     }
 }

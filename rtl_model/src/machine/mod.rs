@@ -33,7 +33,7 @@ pub use declaration::{ClockedUnit, Declared, DeclaredKind, bits_for};
 pub use exact::{ExactCounts, ExactHit, ExactInputs, ExactMachine, ExactOutputs};
 pub use exact_run::ExactRun;
 pub use exact_shape::{EXACT_COUNTER_BITS, ExactEffort, ExactMachineShape, KEPT_NAMES, READ_STAGE};
-pub use exact_trip::{ExactTrip, exact_trip};
+pub use exact_trip::{ExactTrip, curve_address, exact_trip};
 pub use fifo::{Fifo, FifoField, FifoOutputs, FifoShape};
 pub use height_cache::{
     CacheAnswer, HeightCache, HeightCacheInputs, HeightCacheOutputs, HeightCacheShape, LINE_HEIGHTS,

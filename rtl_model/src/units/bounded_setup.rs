@@ -317,7 +317,7 @@ fn start_line<A: Arith>(a: &mut A, shape: BoundedShape, ray: &FixedRayRegisters<
 }
 
 /// What belongs to a line, for the line of this number: a tree of selectors, each by a bit of it.
-pub(super) fn by_line<A: Arith>(
+pub(crate) fn by_line<A: Arith>(
     a: &mut A,
     shape: BoundedShape,
     line: A::Int,

@@ -248,7 +248,7 @@ fn exit_texel<A: Arith>(a: &mut A, shape: FixedShape, entry: A::Int, slope: A::I
 ///
 /// A recorded shift is made as wide as the largest amount that its bits can say: where that is more
 /// than 64 bits it goes by pieces that are the largest amounts of their bits.
-pub(super) fn shift_left_by<A: Arith>(a: &mut A, value: A::Int, bits: u32, amount: u32) -> A::Int {
+pub(crate) fn shift_left_by<A: Arith>(a: &mut A, value: A::Int, bits: u32, amount: u32) -> A::Int {
     let (mut shifted, mut left, mut width) = (value, amount, bits);
     while left > 0 {
         let wanted = left.min(15);
@@ -270,7 +270,7 @@ pub(super) fn shift_left_by<A: Arith>(a: &mut A, value: A::Int, bits: u32, amoun
 }
 
 /// `a / 2^amount`, rounded down; `amount` is known. Wires, in hardware.
-pub(super) fn shift_right_by<A: Arith>(a: &mut A, value: A::Int, amount: u32) -> A::Int {
+pub(crate) fn shift_right_by<A: Arith>(a: &mut A, value: A::Int, amount: u32) -> A::Int {
     if amount == 0 {
         return value;
     }

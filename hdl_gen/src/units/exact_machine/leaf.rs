@@ -72,7 +72,7 @@ impl Build<'_> {
         self.b.connect(waiting_valid, next);
         let slot = waiting.get("out_slot_o");
         let new_slot = self.get("new_slot");
-        let last = shape.effort.setups - 1;
+        let last = shape.setup_places() - 1;
         let set_up: Vec<Wire> = ray_names
             .iter()
             .map(|name| self.get(&format!("setup_{last}_{name}")))

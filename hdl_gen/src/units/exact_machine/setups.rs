@@ -7,20 +7,24 @@ impl Build<'_> {
     /// The setups; answers what leaves the last, and `is_set_up`.
     pub(super) fn setups(&mut self) -> Ports {
         let shape = self.shape;
-        let setups = shape.effort.setups;
+        let setups = shape.setup_places();
+        let makes_digits = |setup: usize| !shape.only_waits(setup as u32);
         let ray_names: Vec<&str> = shape.ray_registers().iter().map(|&(n, _)| n).collect();
-        let division_names: Vec<&str> =
-            shape.division_registers().iter().map(|&(n, _)| n).collect();
-
         self.b.section("which setups are done, and which are free");
         let fresh = self.get("fresh_s0");
         let mut done = Vec::new();
         let mut running = Vec::new();
         for n in 0..setups {
+            let busy = self.get(&format!("setup_{n}_busy"));
+            if !makes_digits(n as usize) {
+                // A ray only waits here.
+                done.push(busy);
+                running.push(fresh);
+                continue;
+            }
             let turns = self.get(&format!("setup_{n}_turns"));
             let runs = self.b.any_bit(turns);
             let rests = self.b.not(runs);
-            let busy = self.get(&format!("setup_{n}_busy"));
             done.push(self.b.and(busy, rests));
             running.push(runs);
         }
@@ -40,7 +44,12 @@ impl Build<'_> {
         self.b.output("ray_ready_o", free[0]);
 
         for n in 0..setups as usize {
-            self.b.section(format!("setup {n}"));
+            let division = shape.division_registers_of(n as u32);
+            let division_names: Vec<&str> = division.iter().map(|&(name, _)| name).collect();
+            self.b.section(match makes_digits(n) {
+                true => format!("setup {n}"),
+                false => format!("setup {n}: a ray that is set up waits"),
+            });
             let offered = match n {
                 0 => self.get("ray_valid_i"),
                 _ => done[n - 1],
@@ -51,14 +60,17 @@ impl Build<'_> {
             let stays = self.b.and(busy, not_free);
             let next = self.b.or(loads, stays);
             self.b.connect(busy, next);
-            let turns = self.get(&format!("setup_{n}_turns"));
-            let width = self.b.width(turns);
-            let all = self.b.constant(shape.setup_turns(n as u32).into(), width);
-            let one = self.b.constant(1, width);
-            let fewer = self.b.subtract(turns, one);
-            let next = self.b.mux(loads, all, fewer);
-            let changes = self.b.or(loads, running[n]);
-            self.b.connect_enabled(turns, next, changes);
+            let mut changes = loads;
+            if makes_digits(n) {
+                let turns = self.get(&format!("setup_{n}_turns"));
+                let width = self.b.width(turns);
+                let all = self.b.constant(shape.setup_turns(n as u32).into(), width);
+                let one = self.b.constant(1, width);
+                let fewer = self.b.subtract(turns, one);
+                let next = self.b.mux(loads, all, fewer);
+                changes = self.b.or(loads, running[n]);
+                self.b.connect_enabled(turns, next, changes);
+            }
 
             // What a ray brings along.
             let mut loaded = Ports::default();
@@ -95,9 +107,15 @@ impl Build<'_> {
                 for name in &ray_names {
                     loaded.put(*name, self.get(&format!("setup_{}_{name}", n - 1)));
                 }
+                let makes_rest = n as u32 == shape.effort.setups && shape.setup_rest() > 0;
                 for axis in ["u", "v"] {
+                    let rest =
+                        makes_rest.then(|| self.digits(n - 1, axis, shape.setup_rest(), "_rest"));
                     for name in &division_names {
-                        let wire = self.get(&format!("setup_{}_{name}_{axis}", n - 1));
+                        let wire = match &rest {
+                            Some(after) => after.get(&format!("{name}_o")),
+                            None => self.get(&format!("setup_{}_{name}_{axis}", n - 1)),
+                        };
                         loaded.put(format!("{name}_{axis}"), wire);
                     }
                 }
@@ -106,7 +124,10 @@ impl Build<'_> {
                 self.load(&format!("setup_{n}_{name}"), loaded.get(name), loads);
             }
             for axis in ["u", "v"] {
-                let after = self.digits(n, axis, shape.effort.setup_digits, "");
+                let after = match makes_digits(n) {
+                    true => self.digits(n, axis, shape.effort.setup_digits, ""),
+                    false => Ports::default(),
+                };
                 for name in &division_names {
                     let register = self.get(&format!("setup_{n}_{name}_{axis}"));
                     let width = self.b.width(register);
@@ -114,7 +135,7 @@ impl Build<'_> {
                     // What a digit does not change is but loaded.
                     let is_unchanged =
                         ["delta_saturates", "first_saturates", "texels_back"].contains(name);
-                    if is_unchanged {
+                    if is_unchanged || !makes_digits(n) {
                         self.b.connect_enabled(register, start, loads);
                         continue;
                     }
@@ -133,14 +154,14 @@ impl Build<'_> {
         }
         for axis in ["u", "v"] {
             let (t_delta, t_near) = match shape.setup_rest() {
-                0 => (
-                    self.get(&format!("setup_{last}_t_delta_{axis}")),
-                    self.get(&format!("setup_{last}_t_near_{axis}")),
-                ),
-                rest => {
+                rest if rest > 0 && makes_digits(last) => {
                     let after = self.digits(last, axis, rest, "_rest");
                     (after.get("t_delta_o"), after.get("t_near_o"))
                 }
+                _ => (
+                    self.get(&format!("setup_{last}_t_delta_{axis}")),
+                    self.get(&format!("setup_{last}_t_near_{axis}")),
+                ),
             };
             let t_near = self.fit(t_near, shape.bounded.bound_bits());
             let upper = self.datapath(BoundedDatapath::SetupEnd, "", &[("t_near", t_near)]);
