@@ -104,7 +104,7 @@ fn paper_machine() -> Arc<Module> {
         layout: HeightLayout::Tiles,
     };
     let mut machine = Machine::of_kind(MachineKind::Paper);
-    machine.fifo = 4;
+    machine.fifo = Some(4);
     machine.cache = MachineCache {
         lines: 2,
         pending: 2,

@@ -1,17 +1,20 @@
-//! The golden machine works in the buffers it begins with: ten times the rays allocate no more.
+//! The golden machines work in the buffers they begin with: ten times the rays allocate no more.
 
 #[path = "common/rays.rs"]
 mod rays;
 
 use allocation_counter::measure;
-use hdl_gen::units::{TraverseUnit, UnitConfiguration};
-use hdl_gen::verify::{GoldenRun, driven_words, traverse_plan};
+use hdl_gen::datapath::OperatorLatencies;
+use hdl_gen::units::{PaperLoop, PaperUnit, TraverseUnit, UnitConfiguration};
+use hdl_gen::verify::{GoldenRun, PaperDesign, driven_words, traverse_plan};
 use rtl_model::float::FloatFormat;
-use rtl_model::machine::StallPattern;
+use rtl_model::machine::{AxiMemoryShape, PaperRun, PaperShape, StallPattern};
 use rtl_model::maps::{Channel, MapSource, Pyramid};
 use rtl_model::ray::Ray;
 use rtl_model::readings::E7F16;
-use rtl_model::scene::{Crossing, Method, Walk, WalkFormat};
+use rtl_model::scene::{Crossing, Machine, MachineKind, Method, Walk, WalkFormat};
+use rtl_model::units::paper_step::{HeightLayout, PaperStep};
+use rtl_model::units::traverse::shape_for;
 use std::ops::ControlFlow;
 
 /// Allocations of a run that packs every cycle's record, and its cycles.
@@ -60,4 +63,56 @@ fn a_run_allocates_nothing_per_cycle() {
         assert!(few > 0, "{walk:?}");
         assert_eq!(few, many, "{walk:?}");
     }
+}
+
+/// Allocations of a run of the paper's machine that packs every cycle's record, and its cycles.
+fn machine_allocations(unit: &PaperUnit, pyramid: &Pyramid, rays: &[Ray<u64>]) -> (u64, u64) {
+    let design = PaperDesign::of_unit(unit);
+    let run = PaperRun {
+        shape: unit.paper.shape.clone(),
+        pyramid,
+        rays,
+        gaps: StallPattern::one_in_eight(5),
+        stalls: StallPattern::one_in_eight(3),
+        memory: AxiMemoryShape {
+            latency: 20,
+            bytes_per_cycle: 8,
+            outstanding: 4,
+            stalls: Some(7),
+        },
+        pass_cycles: unit.paper.step.latency,
+    };
+    design.compare(&run, E7F16, |run| {
+        let plan = run.plan();
+        let mut record = Vec::with_capacity(plan.record_bytes());
+        let mut cycles = 0;
+        let counted = measure(|| {
+            let _ = (run.traffic)(&mut |driven, words| {
+                record.clear();
+                plan.append_record(&mut record, driven, words);
+                cycles += 1;
+                ControlFlow::Continue(())
+            });
+        });
+        (counted.count_total, cycles)
+    })
+}
+
+#[test]
+fn a_run_of_the_papers_machine_allocates_nothing_per_cycle() {
+    let source = MapSource::parse("procedural:rocks:64:1").unwrap();
+    let pyramid = Pyramid::new(&source.load(Channel::Grey, false).unwrap());
+    let rays = rays::rays(FloatFormat::E7F16, 1000);
+    let step = PaperStep {
+        shape: shape_for(&pyramid),
+        layout: HeightLayout::Tiles,
+    };
+    let shape = PaperShape::new(step, 24, &Machine::of_kind(MachineKind::Paper));
+    let latencies = OperatorLatencies::PAPER;
+    let unit = PaperUnit::build(&PaperLoop::build(&shape, FloatFormat::E7F16, &latencies));
+    let (few, few_cycles) = machine_allocations(&unit, &pyramid, &rays[..100]);
+    let (many, many_cycles) = machine_allocations(&unit, &pyramid, &rays);
+    assert!(many_cycles > 4 * few_cycles, "{few_cycles} {many_cycles}");
+    assert!(few > 0);
+    assert_eq!(few, many);
 }

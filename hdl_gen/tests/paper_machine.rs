@@ -97,7 +97,7 @@ fn a_controller_that_admits_too_many_is_seen() {
     let pyramid = pyramid();
     let rays = rays(60);
     let mut machine = Machine::of_kind(MachineKind::Paper);
-    machine.fifo = 4;
+    machine.fifo = Some(4);
     let paper = built(&pyramid, &machine);
     let mut design = PaperDesign::of_loop(&paper);
     let mut faulty = Module::clone(&paper.design);

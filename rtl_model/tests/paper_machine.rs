@@ -98,7 +98,7 @@ fn every_ray_leaves_once_with_the_golden_hit_whatever_stalls() {
     }));
     for (fifo, lines, seed) in [(16, 64, None), (4, 8, Some(7)), (16, 32, Some(0xace1))] {
         let mut machine = Machine::of_kind(MachineKind::Paper);
-        machine.fifo = fifo;
+        machine.fifo = Some(fifo);
         machine.cache.lines = lines;
         let pattern = |turned: u32| match seed {
             Some(seed) => StallPattern::one_in_eight(u16::rotate_left(seed, turned)),

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use hdl_gen::datapath::OperatorLatencies;
-use hdl_gen::units::{PaperLoop, PaperUnit};
+use hdl_gen::units::{PaperLoop, PaperUnit, paper_stages};
 use rtl_model::float::FloatFormat;
 use rtl_model::machine::{
     AxiMemoryShape, HitLedger, HitReport, ID_BITS, OccupancyOverTime, PaperCounts, PaperRun,
@@ -15,8 +15,10 @@ use rtl_model::machine::{
 };
 use rtl_model::maps::Pyramid;
 use rtl_model::ray::Ray;
-use rtl_model::readings::{FloatReading, HasFormat, enter};
-use rtl_model::scene::{Crossing, Machine, MachineKind, Method, Scene, WalkFormat};
+use rtl_model::readings::{E7F16, FloatReading, HasFormat, enter};
+use rtl_model::scene::{
+    Crossing, Machine, MachineKind, MachineLatencies, Method, Scene, WalkFormat, fifo_that_fills,
+};
 use rtl_model::units::paper_step::{HeightLayout, PAPER_POLICY, PaperStep};
 use rtl_model::units::traverse::{Status, shape_for, walk};
 use rtl_model::walker::Walker;
@@ -28,6 +30,8 @@ const SMALLEST_MAP: u32 = 16;
 pub struct PaperScene {
     /// The hardware.
     pub unit: PaperUnit,
+    /// Cycles of its operators.
+    pub latencies: MachineLatencies,
     /// The number format.
     pub format: FloatFormat,
     /// The map.
@@ -38,23 +42,12 @@ pub struct PaperScene {
 }
 
 impl PaperScene {
-    /// Builds it.
+    /// Builds it, with operators of the machine's latencies. Where the machine does not say its
+    /// FIFOs, they are what fills its loop.
     ///
     /// # Errors
     /// If the scene's walk is not the paper's, its map too small, or its frame too large.
     pub fn of(scene: &Scene, machine: &Machine) -> anyhow::Result<PaperScene> {
-        PaperScene::with_latencies(scene, machine, &OperatorLatencies::PAPER)
-    }
-
-    /// Builds it with operators of other latencies than the paper's.
-    ///
-    /// # Errors
-    /// As [`PaperScene::of`].
-    pub fn with_latencies(
-        scene: &Scene,
-        machine: &Machine,
-        latencies: &OperatorLatencies,
-    ) -> anyhow::Result<PaperScene> {
         let name = &scene.name;
         let walks = scene.walk;
         let format = match (walks.method, walks.format, walks.crossing) {
@@ -94,10 +87,18 @@ impl PaperScene {
             shape: shape_for(&pyramid),
             layout: HeightLayout::Tiles,
         };
-        let shape = PaperShape::new(step, format.width(), machine);
-        let paper = PaperLoop::build(&shape, format, latencies);
+        let latencies = machine.latencies.unwrap_or_default();
+        let operators = OperatorLatencies::from(latencies);
+        let shape = |machine: &Machine| PaperShape::new(step, format.width(), machine);
+        let stages = paper_stages(&step, format, &operators, shape(machine).height_stage());
+        let shape = shape(&Machine {
+            fifo: Some(machine.fifo.unwrap_or(fifo_that_fills(stages))),
+            ..*machine
+        });
+        let paper = PaperLoop::build(&shape, format, &operators);
         Ok(PaperScene {
             unit: PaperUnit::build(&paper),
+            latencies,
             format,
             rays,
             memory: AxiMemoryShape {
@@ -130,8 +131,17 @@ impl PaperScene {
         }
     }
 
-    /// Runs the golden machine alone, and holds every hit against the golden walk.
-    pub fn golden<H>(&self, format: H, stalls: Option<u16>) -> MachineReport
+    /// Runs the golden machine alone, and holds every hit against the golden walk. With a seed,
+    /// senders, receivers and memory stall at random.
+    pub fn golden_run(&self, stalls: Option<u16>) -> MachineReport {
+        match self.format {
+            // The format the unit is made for: its arithmetic compiled for it.
+            FloatFormat::E7F16 => self.golden(E7F16, stalls),
+            other => self.golden(other, stalls),
+        }
+    }
+
+    fn golden<H>(&self, format: H, stalls: Option<u16>) -> MachineReport
     where
         H: HasFormat + std::fmt::Debug + Send + Sync,
     {

@@ -12,7 +12,8 @@ use rtl_model::camera::Camera;
 use rtl_model::fixed::{FixedFormat, FixedFormatError};
 use rtl_model::maps::{Channel, MapSource};
 use rtl_model::scene::{
-    Crossing, FrameSize, MAX_FRAME_SIDE, Method, Scene, SceneMap, WalkError, WalkFormat,
+    Crossing, FrameSize, MAX_FRAME_SIDE, MachineKind, MachineLatencies, Method, Scene, SceneMap,
+    WalkError, WalkFormat,
 };
 
 /// Which height map.
@@ -129,6 +130,11 @@ pub struct Replacements {
     /// Replace the scene's frame, in pixels
     #[arg(long, value_name = "WIDTHxHEIGHT")]
     pub size: Option<Size>,
+
+    /// Replace the cycles of the operators of a scene's machine of kind paper: adder, multiplier,
+    /// divider, comparator and conversion, such as 2,1,2,1,1, which are the paper's
+    #[arg(long, value_name = "CYCLES")]
+    pub latencies: Option<Latencies>,
 }
 
 impl Replacements {
@@ -153,7 +159,43 @@ impl Replacements {
         if let Some(Size(size)) = self.size {
             scene.frame = size;
         }
+        self.replace_latencies(&mut scene)?;
         Ok(scene)
+    }
+
+    /// Refuses, for a unit without a scene, what only a scene's machine has.
+    pub fn none_of_machines(&self) -> anyhow::Result<()> {
+        match self.latencies {
+            None => Ok(()),
+            Some(_) => {
+                bail!("--latencies: they are of a scene's machine; of an operator give --latency")
+            }
+        }
+    }
+
+    fn replace_latencies(&self, scene: &mut Scene) -> anyhow::Result<()> {
+        let name = &scene.name;
+        let is_paper = |kind| kind == MachineKind::Paper;
+        match (&mut scene.machine, self.latencies) {
+            (Some(machine), Some(Latencies(latencies))) if is_paper(machine.kind) => {
+                // The FIFOs that the scene says are those of its own latencies.
+                machine.latencies = Some(latencies);
+                machine.fifo = None;
+            }
+            (_, Some(_)) => bail!(
+                "scene {name}: --latencies are of a machine of kind paper, and it has none; leave \
+                 them out"
+            ),
+            (Some(machine), None) if machine.latencies.is_some() && !is_paper(machine.kind) => {
+                bail!(
+                    "scene {name}: latencies are of a machine of kind paper, and it is of kind {}; \
+                     remove them",
+                    machine.kind.name()
+                )
+            }
+            _ => {}
+        }
+        Ok(())
     }
 }
 
@@ -162,6 +204,38 @@ fn camera_parser() -> impl TypedValueParser<Value = Camera> {
         let camera = CAMERAS.iter().find(|(known, _)| *known == name);
         camera.map(|(_, camera)| *camera).ok_or("no such camera")
     })
+}
+
+/// Cycles of the operators of the paper's machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Latencies(pub MachineLatencies);
+
+impl FromStr for Latencies {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Latencies, String> {
+        const LONGEST: u32 = MachineLatencies::LONGEST;
+        let cycles = text.split(',').map(|word| {
+            let cycles = word.trim().parse().ok();
+            cycles.filter(|cycles| (1..=LONGEST).contains(cycles))
+        });
+        let cycles: Option<Vec<u32>> = cycles.collect();
+        match cycles.as_deref() {
+            Some(&[adder, multiplier, divider, comparator, conversion]) => {
+                Ok(Latencies(MachineLatencies {
+                    adder,
+                    multiplier,
+                    divider,
+                    comparator,
+                    conversion,
+                }))
+            }
+            _ => Err(format!(
+                "five numbers of cycles, 1 to {LONGEST}, of adder, multiplier, divider, \
+                 comparator and conversion, such as 2,1,8,1,1"
+            )),
+        }
+    }
 }
 
 /// A frame's size as `WIDTHxHEIGHT`.
@@ -234,6 +308,23 @@ pub struct AnswerOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn latencies_are_five_numbers() {
+        let Latencies(read) = "2,2,8,1,2".parse().unwrap();
+        assert_eq!((read.adder, read.divider, read.conversion), (2, 8, 2));
+        for text in [
+            "",
+            "2,2,8,1",
+            "2,2,8,1,2,1",
+            "2,2,8,0,2",
+            "2,2,33,1,2",
+            "2,2,x,1,2",
+        ] {
+            let message = text.parse::<Latencies>().unwrap_err();
+            assert!(message.contains("such as 2,1,8,1,1"), "{text}: {message}");
+        }
+    }
 
     #[test]
     fn sizes_are_read_within_their_range() {

@@ -3,9 +3,9 @@
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// A bar from 0 to `total` of the things named `unit`, on standard error, and only where that is a
-/// terminal. Clear it with `finish_and_clear`.
+/// terminal. A message, where one is set, says what is at work. Clear it with `finish_and_clear`.
 pub fn bar(total: u64, unit: &str) -> ProgressBar {
-    let template = format!("{{wide_bar}} {{pos}} of {{len}} {unit}, {{eta}} left");
+    let template = format!("{{wide_bar}} {{pos}} of {{len}} {unit}, {{eta}} left {{msg}}");
     let bar = ProgressBar::new(total);
     match ProgressStyle::with_template(&template) {
         Ok(style) => bar.with_style(style),

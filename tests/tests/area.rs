@@ -112,6 +112,12 @@ fn figures_are_plausible_the_same_again_and_of_the_netlist_that_is_verified() {
 fn what_cannot_be_measured_is_refused_in_one_line() {
     let cache = tempfile::tempdir().unwrap();
     for (arguments, variable, expected) in [
+        ("area", "NONE", "a SCENE with a table [machine]"),
+        (
+            "area scenes/first.toml --latencies 2,2,8,1,2",
+            "NONE",
+            "--latencies are of a machine of kind paper",
+        ),
         ("area --unit float_ad", "NONE", "float_add"),
         ("area --unit traverse", "NONE", "traverse_step"),
         ("area scenes/first.toml", "NONE", "[machine]"),

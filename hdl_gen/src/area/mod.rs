@@ -61,6 +61,17 @@ pub enum AreaError {
         /// The end of what it said.
         output: String,
     },
+    /// A tool was ended after its time limit.
+    #[error(
+        "{tool} took more than {minutes} minutes and was ended: give it more with --time-limit, or \
+         measure with the machine less busy. What was measured before it is kept"
+    )]
+    TooLong {
+        /// Its path.
+        tool: String,
+        /// The limit.
+        minutes: u64,
+    },
     /// A tool gave something else than it must.
     #[error("{tool} gave what is not understood ({what}): run `make tools` for the pinned version")]
     Unreadable {

@@ -3,9 +3,11 @@
 use std::env;
 use std::ffi::OsString;
 use std::fs;
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Output, Stdio};
+use std::thread::{self, ScopedJoinHandle};
+use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +21,9 @@ const PROJECT_TOOLS: &str = ".venv/synthesis";
 
 /// Lines of a failed tool's output that are shown: the end, where the reason stands.
 const SHOWN_LINES: usize = 20;
+
+/// How often a program with a time limit is looked after.
+const LOOKS_EVERY: Duration = Duration::from_millis(20);
 
 /// Yosys, nextpnr and a standard-cell library, as they were found.
 #[derive(Clone, Debug)]
@@ -50,6 +55,7 @@ pub(super) struct Tool {
     name: &'static str,
     path: PathBuf,
     variable: &'static str,
+    time_limit: Option<Duration>,
 }
 
 impl Tools {
@@ -85,6 +91,15 @@ impl Tools {
     }
 }
 
+impl Tools {
+    /// The same tools, each run of which is ended after so long, as [`AreaError::TooLong`].
+    pub fn with_time_limit(mut self, limit: Duration) -> Tools {
+        self.yosys.time_limit = Some(limit);
+        self.nextpnr.time_limit = Some(limit);
+        self
+    }
+}
+
 impl Tool {
     fn find(name: &'static str, variable: &'static str) -> Result<Tool, AreaError> {
         if let Some(path) = env::var_os(variable) {
@@ -92,6 +107,7 @@ impl Tool {
                 name,
                 path: PathBuf::from(path),
                 variable,
+                time_limit: None,
             });
         }
         let here = env::current_dir().ok();
@@ -109,6 +125,7 @@ impl Tool {
                 name,
                 path,
                 variable,
+                time_limit: None,
             })
             .ok_or(AreaError::Missing {
                 what: name.to_owned(),
@@ -118,21 +135,34 @@ impl Tool {
 
     /// Runs it in a folder, and answers all it said.
     pub(super) fn run(&self, folder: &Path, arguments: &[&str]) -> Result<String, AreaError> {
-        let output = Command::new(&self.path)
+        let failed = |problem: io::Error| match problem.kind() {
+            io::ErrorKind::NotFound => AreaError::Missing {
+                what: self.path.display().to_string(),
+                variable: self.variable,
+            },
+            _ => AreaError::Failed {
+                tool: self.path.display().to_string(),
+                output: problem.to_string(),
+            },
+        };
+        let child = Command::new(&self.path)
             .args(arguments)
             .current_dir(folder)
             .stdin(Stdio::null())
-            .output()
-            .map_err(|problem| match problem.kind() {
-                io::ErrorKind::NotFound => AreaError::Missing {
-                    what: self.path.display().to_string(),
-                    variable: self.variable,
-                },
-                _ => AreaError::Failed {
-                    tool: self.path.display().to_string(),
-                    output: problem.to_string(),
-                },
-            })?;
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(failed)?;
+        let output =
+            match self.time_limit {
+                None => child.wait_with_output().map_err(failed)?,
+                Some(limit) => wait_within(child, limit).map_err(failed)?.ok_or_else(|| {
+                    AreaError::TooLong {
+                        tool: self.path.display().to_string(),
+                        minutes: limit.as_secs().div_ceil(60),
+                    }
+                })?,
+            };
         let mut said = String::from_utf8_lossy(&output.stdout).into_owned();
         said.push_str(&String::from_utf8_lossy(&output.stderr));
         if output.status.success() {
@@ -151,6 +181,46 @@ impl Tool {
             what: what.to_string(),
         }
     }
+}
+
+/// What a program gives, if it ends in time; else it is ended.
+fn wait_within(mut child: Child, limit: Duration) -> io::Result<Option<Output>> {
+    // Both outputs are read as they come: a full pipe would stop the program.
+    let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
+    thread::scope(|scope| {
+        let stdout = scope.spawn(|| all_of(stdout));
+        let stderr = scope.spawn(|| all_of(stderr));
+        let start = Instant::now();
+        let status = loop {
+            if let Some(status) = child.try_wait()? {
+                break Some(status);
+            }
+            if start.elapsed() > limit {
+                child.kill()?;
+                child.wait()?;
+                break None;
+            }
+            thread::sleep(LOOKS_EVERY);
+        };
+        let read = |reader: ScopedJoinHandle<'_, io::Result<Vec<u8>>>| {
+            reader.join().expect("reading does not panic")
+        };
+        let (stdout, stderr) = (read(stdout)?, read(stderr)?);
+        Ok(status.map(|status| Output {
+            status,
+            stdout,
+            stderr,
+        }))
+    })
+}
+
+/// All that comes through a pipe.
+fn all_of(pipe: Option<impl Read>) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    if let Some(mut pipe) = pipe {
+        pipe.read_to_end(&mut bytes)?;
+    }
+    Ok(bytes)
 }
 
 /// `Yosys 0.70 (git sha1 28ba3cb92)` out of what `yosys -V` says; the compiler it was made with
@@ -173,6 +243,33 @@ fn nextpnr_version(said: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_tool_that_takes_too_long_is_ended_and_another_is_not() {
+        let shell = |limit| Tool {
+            name: "sh",
+            path: PathBuf::from("/bin/sh"),
+            variable: "NONE",
+            time_limit: Some(Duration::from_millis(limit)),
+        };
+        let here = Path::new(".");
+        // More than a pipe holds.
+        let script = "i=0; while [ $i -lt 20000 ]; do echo said said; i=$((i+1)); done";
+        let said = shell(60_000).run(here, &["-c", script]).unwrap();
+        assert_eq!(said.lines().count(), 20_000);
+        let start = Instant::now();
+        let answer = shell(50).run(here, &["-c", "exec sleep 30"]);
+        assert!(
+            matches!(answer, Err(AreaError::TooLong { .. })),
+            "{answer:?}"
+        );
+        assert!(start.elapsed() < Duration::from_secs(20));
+        let answer = shell(60_000).run(here, &["-c", "echo no; exit 3"]);
+        assert!(
+            matches!(answer, Err(AreaError::Failed { .. })),
+            "{answer:?}"
+        );
+    }
 
     #[test]
     fn versions_are_read_from_what_the_tools_say() {

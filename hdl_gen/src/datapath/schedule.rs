@@ -4,6 +4,7 @@ use super::delay::{Delay, delay};
 use super::record::{Output, Recording};
 use super::signal::{RecordedOperation, SignalId};
 use crate::operators::{FixedOperator, FloatOperator};
+use rtl_model::scene::MachineLatencies;
 use serde::{Deserialize, Serialize};
 
 /// Cycles of each pipelined operator. Everything else (selection, integer and bit logic, sign
@@ -20,6 +21,18 @@ pub struct OperatorLatencies {
     pub comparator: u32,
     /// Between integers and floats, between float formats, height to depth.
     pub conversion: u32,
+}
+
+impl From<MachineLatencies> for OperatorLatencies {
+    fn from(cycles: MachineLatencies) -> OperatorLatencies {
+        OperatorLatencies {
+            adder: cycles.adder,
+            multiplier: cycles.multiplier,
+            divider: cycles.divider,
+            comparator: cycles.comparator,
+            conversion: cycles.conversion,
+        }
+    }
 }
 
 impl OperatorLatencies {

@@ -22,7 +22,7 @@ pub use exact_machine::{EXACT_MACHINE, ExactUnit};
 pub use exact_probes::ExactLayout;
 pub use exact_trip::{EXACT_TRIP, build_exact_trip};
 pub use paper_datapaths::{
-    BuiltPaperSetup, PAPER_SETUP, PAPER_STEP, build_paper_setup, build_paper_step,
+    BuiltPaperSetup, PAPER_SETUP, PAPER_STEP, build_paper_setup, build_paper_step, paper_stages,
     record_paper_step,
 };
 pub use paper_loop::{PAPER_LOOP, PaperLoop};

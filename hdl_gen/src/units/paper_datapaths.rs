@@ -47,6 +47,18 @@ pub fn record_paper_step(step: &PaperStep, format: FloatFormat, height_stage: u3
     recording
 }
 
+/// Stages of the loop with operators of these latencies: those of a pass, and the one in which a
+/// ray enters again.
+pub fn paper_stages(
+    step: &PaperStep,
+    format: FloatFormat,
+    latencies: &OperatorLatencies,
+    height_stage: u32,
+) -> u32 {
+    let recording = record_paper_step(step, format, height_stage);
+    schedule(&recording, latencies).last_stage + 1
+}
+
 /// A pass of the loop as a module: pipelined, a ray's registers in, those after the pass out, and
 /// the address as soon as it is there; the height and whether the cache missed come in
 /// `height_stage`.

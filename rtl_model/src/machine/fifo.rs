@@ -130,7 +130,8 @@ impl Fifo {
     }
 
     fn pointer(&self, count: u64) -> usize {
-        (count % u64::from(self.shape.depth)) as usize
+        // The depth is a power of two.
+        (count & u64::from(self.shape.depth - 1)) as usize
     }
 
     /// What the output ports carry in this cycle.

@@ -147,7 +147,8 @@ impl HeightCache {
     }
 
     fn index(&self, line: u64) -> usize {
-        (line % u64::from(self.shape.lines)) as usize
+        // Lines and slots are powers of two.
+        (line & u64::from(self.shape.lines - 1)) as usize
     }
 
     fn line(&self, address: u64) -> u64 {
@@ -155,7 +156,7 @@ impl HeightCache {
     }
 
     fn slot(&self, count: u64) -> usize {
-        (count % u64::from(self.shape.pending)) as usize
+        (count & u64::from(self.shape.pending - 1)) as usize
     }
 
     /// The lookup that is answered in this cycle.

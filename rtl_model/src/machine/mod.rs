@@ -20,6 +20,7 @@ mod height_cache;
 mod ledger;
 mod occupancy;
 mod paper;
+mod paper_pass;
 mod paper_run;
 mod paper_shape;
 mod read_port;

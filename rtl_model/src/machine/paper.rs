@@ -15,13 +15,13 @@
 
 use super::fifo::Fifo;
 use super::height_cache::{HeightCache, HeightCacheInputs};
+use super::paper_pass::{Datapath, Pass};
 use super::paper_shape::{COUNTER_BITS, PaperShape};
 use super::read_port::{AxiAddress, AxiBeat, ReadPort, ReadPortInputs, ReadPortOutputs};
 use super::run_summary::Lookups;
 use crate::maps::Pyramid;
 use crate::ray::Ray;
-use crate::readings::{Traced, Word};
-use crate::units::step::{Named, Signal};
+use crate::readings::Word;
 
 /// What the unit's input ports carry in a cycle.
 #[derive(Clone, Copy, Debug)]
@@ -110,33 +110,14 @@ impl Lookups for PaperCounts {
     }
 }
 
-/// What stands in a stage, and all that is computed from it.
-#[derive(Debug)]
-struct Pass<R: Word> {
-    valid: bool,
-    id: u32,
-    /// The words of the registers in front of the first stage.
-    inputs: Vec<u64>,
-    /// The result of every operation; of those that depend on the height only from the stage in
-    /// which the cache answers.
-    words: Vec<u64>,
-    address: u64,
-    starts: bool,
-    height: u64,
-    missed: bool,
-    registers: Vec<Signal<Traced<R>>>,
-    after: Vec<Signal<Traced<R>>>,
-    answers: Vec<Named<Traced<R>>>,
-}
-
 /// The paper's traverse unit of a map, in a number format.
+///
+/// After [`PaperMachine::new`] nothing is allocated: what enters the loop takes over the buffers
+/// of what left it.
 #[derive(Debug)]
 pub struct PaperMachine<R: Word> {
     shape: PaperShape,
-    traced: Traced<R>,
-    /// What the memory holds, to guess what the cache will answer.
-    heights: Vec<u16>,
-    unchanged: usize,
+    datapath: Datapath<R>,
     /// Stages 0 to the last, as a ring; `first` is stage 0.
     stages: Vec<Pass<R>>,
     first: usize,
@@ -160,12 +141,7 @@ impl<R: Word> PaperMachine<R> {
     pub fn new(reading: R, shape: PaperShape, pyramid: &Pyramid, pass_cycles: u32) -> Self {
         assert!(shape.height_stage() <= pass_cycles, "a height in time");
         let mut machine = PaperMachine {
-            traced: Traced {
-                reading,
-                words: Vec::new(),
-            },
-            heights: shape.step.memory(pyramid),
-            unchanged: shape.step.ray_registers().len(),
+            datapath: Datapath::new(reading, shape.step, pyramid),
             stages: Vec::new(),
             first: 0,
             fifo_0: Fifo::new(shape.fifo_0.clone()),
@@ -181,9 +157,11 @@ impl<R: Word> PaperMachine<R> {
         };
         let shown = machine.cache.outputs().heights[0];
         for _ in 0..=pass_cycles {
-            let (id, registers) = machine.fresh();
-            let mut pass = machine.begin(false, id, registers, Vec::new());
-            machine.answer(&mut pass, shown, false);
+            let mut pass = Pass::empty();
+            let waiting = machine.fifo_0.outputs();
+            machine.datapath.set_up(waiting.out, &mut pass);
+            machine.datapath.begin(&mut pass);
+            machine.datapath.answer(&mut pass, shown, false);
             machine.stages.push(pass);
         }
         machine
@@ -222,8 +200,23 @@ impl<R: Word> PaperMachine<R> {
         self.fifo_1.outputs().out
     }
 
+    /// Where a stage stands in the ring.
+    fn place(&self, stage: usize) -> usize {
+        let place = self.first + stage;
+        place
+            - if place < self.stages.len() {
+                0
+            } else {
+                self.stages.len()
+            }
+    }
+
     fn stage(&self, stage: usize) -> &Pass<R> {
-        &self.stages[(self.first + stage) % self.stages.len()]
+        &self.stages[self.place(stage)]
+    }
+
+    fn last_stage(&self) -> &Pass<R> {
+        self.stage(self.stages.len() - 1)
     }
 
     fn port_inputs(&self, inputs: &PaperInputs) -> ReadPortInputs {
@@ -243,7 +236,7 @@ impl<R: Word> PaperMachine<R> {
 
     /// What the handshakes carry in this cycle.
     pub fn outputs(&self, inputs: &PaperInputs) -> PaperOutputs {
-        let last = self.stage(self.stages.len() - 1);
+        let last = self.last_stage();
         let ends = last.valid && (last.answers[0].1.bit() || last.answers[1].1.bit());
         let recirculates = last.valid && !ends;
         let (waiting, done) = (self.fifo_0.outputs(), self.fifo_1.outputs());
@@ -311,15 +304,16 @@ impl<R: Word> PaperMachine<R> {
         ]);
         let cache = self.cache.outputs();
         let port = self.port_outputs(inputs);
-        let [ray_valid, ray @ ..] = inputs.words();
-        let mut driven = vec![ray_valid];
-        driven.extend_from_slice(&ray[..5]);
-        driven.push(outputs.admits.into());
+        let ports = inputs.words();
+        // An offered ray, and whether one is taken.
+        let mut driven = [0; 7];
+        driven[..6].copy_from_slice(&ports[..6]);
+        driven[6] = outputs.admits.into();
         self.fifo_0.observe(&driven, words);
-        driven.clear();
-        driven.push(outputs.ends.into());
-        driven.extend(hit_fields(&self.traced, self.stage(self.stages.len() - 1)));
-        driven.push(inputs.hit_ready.into());
+        let mut driven = [0; 11];
+        driven[0] = outputs.ends.into();
+        driven[1..10].copy_from_slice(&self.datapath.hit_fields(self.last_stage()));
+        driven[10] = inputs.hit_ready.into();
         self.fifo_1.observe(&driven, words);
         let driven = [
             self.lookup_valid.into(),
@@ -329,8 +323,18 @@ impl<R: Word> PaperMachine<R> {
             port.beat_data,
         ];
         self.cache.observe(&driven, words);
-        let mut driven = vec![u64::from(cache.fetch_valid), cache.fetch_line, 1];
-        driven.extend_from_slice(&ray[6..]);
+        let mut driven = [
+            u64::from(cache.fetch_valid),
+            cache.fetch_line,
+            1,
+            0,
+            0,
+            0,
+            0,
+            0,
+            0,
+        ];
+        driven[3..].copy_from_slice(&ports[7..]);
         self.port.observe(&driven, words);
         let entry = self.stage(0);
         words.extend([u64::from(entry.valid), entry.id.into()]);
@@ -352,26 +356,23 @@ impl<R: Word> PaperMachine<R> {
         let asks = first.valid && !first.starts;
         let address = first.address;
 
-        let (fresh_id, fresh) = self.fresh();
-        let slot = (self.first + self.stages.len() - 1) % self.stages.len();
-        let last = &mut self.stages[slot];
-        let words = std::mem::take(&mut last.words);
-        let enters = if outputs.recirculates {
-            let mut registers = std::mem::take(&mut last.registers);
-            registers.truncate(self.unchanged);
-            registers.append(&mut last.after);
-            (true, last.id, registers)
+        let slot = self.place(self.stages.len() - 1);
+        // The slot that falls free holds what enters.
+        let pass = &mut self.stages[slot];
+        if outputs.ends {
+            let hit = self.datapath.hit_fields(pass);
+            assert!(self.fifo_1.outputs().in_ready, "FIFO 1 overflows");
+            self.fifo_1.clock(Some(&hit), inputs.hit_ready);
         } else {
-            if outputs.ends {
-                let hit = hit_fields(&self.traced, last);
-                assert!(self.fifo_1.outputs().in_ready, "FIFO 1 overflows");
-                self.fifo_1.clock(Some(&hit), inputs.hit_ready);
-            }
-            (outputs.admits, fresh_id, fresh)
-        };
-        if !outputs.ends {
             self.fifo_1.clock(None, inputs.hit_ready);
         }
+        if outputs.recirculates {
+            self.datapath.go_round(pass);
+        } else {
+            pass.valid = outputs.admits;
+            self.datapath.set_up(self.fifo_0.outputs().out, pass);
+        }
+        self.datapath.begin(pass);
         let ray = inputs.ray;
         let offered = [inputs.ray_id.into(), ray.u, ray.v, ray.du, ray.dv];
         let offered = inputs.ray_valid.then_some(&offered[..]);
@@ -389,15 +390,12 @@ impl<R: Word> PaperMachine<R> {
         self.port.clock(&port_inputs);
         (self.lookup_valid, self.lookup_address) = (asks, address);
 
-        let (valid, id, registers) = enters;
-        self.stages[slot] = self.begin(valid, id, registers, words);
         self.first = slot;
         let answer = self.cache.outputs();
         let missed = answer.answer_valid && !answer.hit;
-        let answered = (slot + self.shape.height_stage() as usize) % self.stages.len();
-        let mut pass = std::mem::replace(&mut self.stages[answered], Pass::empty());
-        self.answer(&mut pass, answer.heights[0], missed);
-        self.stages[answered] = pass;
+        let answered = self.place(self.shape.height_stage() as usize);
+        self.datapath
+            .answer(&mut self.stages[answered], answer.heights[0], missed);
         self.cycle += 1;
     }
 
@@ -410,97 +408,4 @@ impl<R: Word> PaperMachine<R> {
             self.counts.gaps_without_room += 1;
         }
     }
-
-    /// What stands at the end of FIFO 0, set up, be it a ray or not.
-    fn fresh(&mut self) -> (u32, Vec<Signal<Traced<R>>>) {
-        let &[id, u, v, du, dv] = self.fifo_0.outputs().out else {
-            unreachable!("an id and a ray");
-        };
-        let ray = [u, v, du, dv].map(|word| Signal::Number(self.traced.number(word)));
-        self.traced.words.clear();
-        let registers = self.shape.step.set_up(&mut self.traced, &ray);
-        (id as u32, registers)
-    }
-
-    /// What enters the first stage, with the height that the memory holds for it: all that does
-    /// not depend on the height is right by that, and mostly the rest.
-    fn begin(
-        &mut self,
-        valid: bool,
-        id: u32,
-        registers: Vec<Signal<Traced<R>>>,
-        words: Vec<u64>,
-    ) -> Pass<R> {
-        let starts = registers[self.unchanged].bit();
-        let inputs = registers.iter().map(|signal| signal.word(&self.traced));
-        let mut pass = Pass {
-            valid,
-            id,
-            inputs: inputs.collect(),
-            starts,
-            registers,
-            words,
-            ..Pass::empty()
-        };
-        self.traced.words = std::mem::take(&mut pass.words);
-        self.traced.words.clear();
-        let step = self.shape.step;
-        pass.address = step.address(&mut self.traced, &pass.registers) as u64;
-        let height = u64::from(self.heights[pass.address as usize]);
-        self.evaluate(&mut pass, height, false);
-        pass
-    }
-
-    /// The rest of a pass, behind its address.
-    fn evaluate(&mut self, pass: &mut Pass<R>, height: u64, missed: bool) {
-        (pass.height, pass.missed) = (height, missed);
-        let step = self.shape.step;
-        let seen = height as i64;
-        (pass.after, pass.answers) = step.step(&mut self.traced, &pass.registers, seen, missed);
-        pass.words = std::mem::take(&mut self.traced.words);
-    }
-
-    /// The cache answers a pass.
-    fn answer(&mut self, pass: &mut Pass<R>, height: u64, missed: bool) {
-        if (height, missed) != (pass.height, pass.missed) {
-            debug_assert!(
-                missed || pass.starts || !pass.valid,
-                "the cache holds what the memory does"
-            );
-            self.traced.words = std::mem::take(&mut pass.words);
-            self.traced.words.clear();
-            let step = self.shape.step;
-            step.address(&mut self.traced, &pass.registers);
-            self.evaluate(pass, height, missed);
-        }
-    }
-}
-
-impl<R: Word> Pass<R> {
-    fn empty() -> Pass<R> {
-        Pass {
-            valid: false,
-            id: 0,
-            inputs: Vec::new(),
-            words: Vec::new(),
-            address: 0,
-            starts: false,
-            height: 0,
-            missed: false,
-            registers: Vec::new(),
-            after: Vec::new(),
-            answers: Vec::new(),
-        }
-    }
-}
-
-/// What a ray with its answer puts into FIFO 1.
-fn hit_fields<R: Word>(reading: &Traced<R>, pass: &Pass<R>) -> [u64; 9] {
-    let word = |signal: Signal<Traced<R>>| signal.word(reading);
-    let [_, guard, t, u, v, i, j] = pass.answers[..] else {
-        unreachable!("the answers of the step");
-    };
-    let [steps, crossings] = [8, 9].map(|place: usize| word(pass.after[place]));
-    let [i, j, t, u, v, guard] = [i, j, t, u, v, guard].map(|(_, signal)| word(signal));
-    [pass.id.into(), i, j, t, u, v, steps, crossings, guard]
 }

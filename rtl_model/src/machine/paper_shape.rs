@@ -12,6 +12,13 @@ use crate::units::traverse_step::counter_bits;
 /// The stage in which the height cache is asked: the address is computed in the one before.
 pub const LOOKUP_STAGE: u32 = 1;
 
+/// Entries of FIFO 1 where a machine does not say: those of a loop of the paper's 15 stages.
+const FIFO: u32 = 16;
+
+/// The most entries of FIFO 0: what distributed memory holds in its smallest piece. Rays that wait
+/// there are not in the loop, so that a few suffice whatever its stages.
+const MOST_WAITING: u32 = 16;
+
 /// Bits of the counters, which run over.
 pub const COUNTER_BITS: u32 = 32;
 
@@ -35,13 +42,13 @@ pub struct PaperShape {
 }
 
 impl PaperShape {
-    /// The unit that a scene's machine describes. A cache never has more than half the lines of
+    /// The unit that a scene's machine describes, with 16 entries in FIFO 1 where it does not say. A cache never has more than half the lines of
     /// the memory: a line's number would leave no tag.
     ///
     /// # Panics
     /// If a block cannot be built so.
     pub fn new(step: PaperStep, number_bits: u32, machine: &Machine) -> PaperShape {
-        let (fifo, counters) = (machine.fifo, machine.counters);
+        let (fifo, counters) = (machine.fifo.unwrap_or(FIFO), machine.counters);
         let texel_bits = step.shape.root_level.max(1);
         // Counts are never negative.
         let count_bits = counter_bits(PAPER_POLICY) - 1;
@@ -74,7 +81,7 @@ impl PaperShape {
         cache.check();
         PaperShape {
             number_bits,
-            fifo_0: FifoShape::new("paper_fifo_0", fifo, &in_fifo_0),
+            fifo_0: FifoShape::new("paper_fifo_0", fifo.min(MOST_WAITING), &in_fifo_0),
             fifo_1: FifoShape::new("paper_fifo_1", fifo, &in_fifo_1),
             port: ReadPortShape::new("paper_read_port", line_bits, cache.beats(), pending),
             cache,

@@ -1,6 +1,6 @@
 //! The clocked machine of a scene: which one, and what stands around its loop.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Which machine walks a scene's rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -29,9 +29,14 @@ impl MachineKind {
 pub struct Machine {
     /// Which one.
     pub kind: MachineKind,
-    /// Entries of FIFO 0 before the loop and FIFO 1 behind it: a power of two, 2 to 64.
-    #[serde(default = "default_fifo", deserialize_with = "checked::fifo")]
-    pub fifo: u32,
+    /// Entries of FIFO 1 behind the loop, which bound the rays inside: a power of two, 2 to 64.
+    /// FIFO 0 before the loop has as many, but at most 16. Unless told, as many as fill the loop
+    /// ([`fifo_that_fills`]).
+    #[serde(default, deserialize_with = "checked::fifo")]
+    pub fifo: Option<u32>,
+    /// Of the paper's machine: cycles of its operators; the paper's unless told.
+    #[serde(default)]
+    pub latencies: Option<MachineLatencies>,
     /// Pixels on a side of the square tiles in which the frame's rays come, tile by tile, each row
     /// by row: a power of two, 1 to 8192. With 1 they come row by row of the frame.
     #[serde(default = "default_tile", deserialize_with = "checked::tile")]
@@ -46,6 +51,55 @@ pub struct Machine {
     /// The memory behind it.
     #[serde(default)]
     pub memory: MachineMemory,
+}
+
+/// Cycles of the operators of the paper's machine, each 1 to 32; the paper's own where a table
+/// leaves one out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MachineLatencies {
+    /// Float adder and subtractor.
+    #[serde(deserialize_with = "checked::cycles")]
+    pub adder: u32,
+    /// Float multiplier.
+    #[serde(deserialize_with = "checked::cycles")]
+    pub multiplier: u32,
+    /// Float divider.
+    #[serde(deserialize_with = "checked::cycles")]
+    pub divider: u32,
+    /// Float comparator.
+    #[serde(deserialize_with = "checked::cycles")]
+    pub comparator: u32,
+    /// Between integers and floats, and from heights to depths.
+    #[serde(deserialize_with = "checked::cycles")]
+    pub conversion: u32,
+}
+
+impl MachineLatencies {
+    /// The budget of the 2013 hardware paper (section 4.2): adder and divider two cycles,
+    /// multiplier and comparator one; conversions, of which it does not speak, one.
+    pub const PAPER: MachineLatencies = MachineLatencies {
+        adder: 2,
+        multiplier: 1,
+        divider: 2,
+        comparator: 1,
+        conversion: 1,
+    };
+
+    /// The most cycles of an operator.
+    pub const LONGEST: u32 = 32;
+}
+
+impl Default for MachineLatencies {
+    fn default() -> Self {
+        MachineLatencies::PAPER
+    }
+}
+
+/// The entries of FIFO 1 that let a loop of so many stages be full, within 2 to 64: one more than
+/// the stages, since a hit stands in FIFO 1 for a cycle at least, as a power of two.
+pub fn fifo_that_fills(stages: u32) -> u32 {
+    (stages + 1).next_power_of_two().clamp(2, 64)
 }
 
 /// The height cache of a machine.
@@ -73,10 +127,6 @@ pub struct MachineMemory {
     /// Does it stall at random?
     #[serde(default)]
     pub stalls: bool,
-}
-
-fn default_fifo() -> u32 {
-    16
 }
 
 fn default_tile() -> u32 {
@@ -126,7 +176,8 @@ impl Machine {
     pub fn of_kind(kind: MachineKind) -> Machine {
         Machine {
             kind,
-            fifo: default_fifo(),
+            fifo: None,
+            latencies: None,
             tile: default_tile(),
             counters: false,
             cache: MachineCache::default(),
@@ -155,9 +206,17 @@ mod checked {
         number.is_power_of_two() && (least..=most).contains(&number)
     }
 
-    pub(super) fn fifo<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
+    pub(super) fn fifo<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<u32>, D::Error> {
         let rule = "a FIFO's entries: a power of two, 2 to 64";
-        number(deserializer, |n| is_power_of_two(n, 2, 64), rule)
+        number(deserializer, |n| is_power_of_two(n, 2, 64), rule).map(Some)
+    }
+
+    pub(super) fn cycles<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
+        let rule = "an operator's cycles: 1 to 32";
+        let longest = super::MachineLatencies::LONGEST;
+        number(deserializer, |n| (1..=longest).contains(&n), rule)
     }
 
     pub(super) fn tile<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
@@ -196,8 +255,24 @@ mod tests {
         assert_eq!(machine, Machine::of_kind(MachineKind::Paper));
         let text = "kind = \"exact\"\nfifo = 8\n[cache]\nlines = 512\n[memory]\nstalls = true";
         let machine: Machine = toml::from_str(text).unwrap();
-        assert_eq!((machine.fifo, machine.cache.lines), (8, 512));
+        assert_eq!((machine.fifo, machine.cache.lines), (Some(8), 512));
         assert!(machine.memory.stalls && machine.memory.latency == 20);
+        let text = "kind = \"paper\"\nlatencies = { divider = 8, conversion = 2 }";
+        let machine: Machine = toml::from_str(text).unwrap();
+        let latencies = MachineLatencies {
+            divider: 8,
+            conversion: 2,
+            ..MachineLatencies::PAPER
+        };
+        assert_eq!(machine.latencies, Some(latencies));
+    }
+
+    #[test]
+    fn a_fifo_has_a_place_more_than_the_loop_has_stages() {
+        let entries = [(1, 2), (15, 16), (16, 32), (24, 32), (32, 64), (64, 64)];
+        for (stages, fifo) in entries {
+            assert_eq!(fifo_that_fills(stages), fifo, "{stages}");
+        }
     }
 
     #[test]
@@ -206,6 +281,9 @@ mod tests {
             ("fifo = 3", "power of two"),
             ("fifo = 128", "2 to 64"),
             ("tile = 3", "power of two"),
+            ("latencies = { adder = 0 }", "1 to 32"),
+            ("latencies = { divider = 33 }", "1 to 32"),
+            ("latencies = { root = 2 }", "unknown field"),
             ("[cache]\nlines = 1", "2 to 65536"),
             ("[cache]\npending = 16", "2, 4 or 8"),
             ("[memory]\nlatency = 0", "1 to 1000"),

@@ -58,7 +58,9 @@ use thiserror::Error;
 
 use crate::camera::{Camera, Surface, View};
 use crate::maps::{Channel, HeightMap, MapError, MapSource};
-pub use machine::{Machine, MachineCache, MachineKind, MachineMemory};
+pub use machine::{
+    Machine, MachineCache, MachineKind, MachineLatencies, MachineMemory, fifo_that_fills,
+};
 pub use method::{Family, LinearSearch, Method};
 pub use walk::{BorderOffset, Crossing, Walk, WalkError, WalkFormat};
 

@@ -133,20 +133,26 @@ impl PaperStep {
         self.shape.address_bits().max(6)
     }
 
-    /// A ray as it enters the loop: its registers, the walk's in mode start level, at full depth.
-    pub fn set_up<A: Arith>(&self, a: &mut A, ray: &[Signal<A>]) -> Vec<Signal<A>> {
+    /// A ray as it enters the loop: appends its registers, the walk's in mode start level, at full
+    /// depth.
+    pub fn set_up_into<A: Arith>(&self, a: &mut A, ray: &[Signal<A>], row: &mut Vec<Signal<A>>) {
         let [u, v, du, dv] = [0, 1, 2, 3].map(|port| ray[port].number());
         let (ray, _) = mirror_ray(a, u, v, du, dv);
         let (yes, no) = (a.bit_constant(true), a.bit_constant(false));
         let (one, none) = (a.int_constant(1), a.int_constant(0));
         let full_depth = a.number_from_integer(crate::float::Rounding::NearestEven, one, none);
-        let mut row = Vec::new();
-        ray_row(&ray, &mut row);
+        ray_row(&ray, row);
         row.push(Signal::Bit(yes));
         row.extend([none; 3].map(Signal::Integer));
         row.push(Signal::Number(full_depth));
         row.extend([no; 3].map(Signal::Bit));
         row.extend([none; 2].map(Signal::Integer));
+    }
+
+    /// [`PaperStep::set_up_into`] a row of its own, where speed does not matter.
+    pub fn set_up<A: Arith>(&self, a: &mut A, ray: &[Signal<A>]) -> Vec<Signal<A>> {
+        let mut row = Vec::new();
+        self.set_up_into(a, ray, &mut row);
         row
     }
 
@@ -232,16 +238,18 @@ impl PaperStep {
     }
 
     /// One pass of a ray. `height` counts in mode walk, where the cache did not miss: there
-    /// `missed` is 0. Gives the walk registers after the pass, then `hit`, `guard` (one of them
-    /// says that the ray leaves) and what it has hit: `depth`, `position_u`, `position_v`,
-    /// `texel_i`, `texel_j`.
-    pub fn step<A: Arith>(
+    /// `missed` is 0. Appends the walk registers after the pass to `after`, and to `answers`
+    /// `hit`, `guard` (one of them says that the ray leaves) and what it has hit: `depth`,
+    /// `position_u`, `position_v`, `texel_i`, `texel_j`.
+    pub fn step_into<A: Arith>(
         &self,
         a: &mut A,
         registers: &[Signal<A>],
         height: A::Int,
         missed: A::Bit,
-    ) -> (Vec<Signal<A>>, Vec<Named<A>>) {
+        after: &mut Vec<Signal<A>>,
+        answers: &mut Vec<Named<A>>,
+    ) {
         let row = LoopRegisters::of(registers);
         let keeps = a.or(row.starts, missed);
         a.name_bit("keeps", keeps);
@@ -289,7 +297,7 @@ impl PaperStep {
         let t = a.select(row.starts, top, result.walk.t);
         a.name_num("t_after", t);
 
-        let after = vec![
+        after.extend([
             Signal::Bit(no),
             Signal::Integer(level),
             Signal::Integer(i),
@@ -300,8 +308,8 @@ impl PaperStep {
             Signal::Bit(result.walk.corner_paid),
             Signal::Integer(result.walk.steps),
             Signal::Integer(result.walk.crossings),
-        ];
-        let answers = vec![
+        ]);
+        answers.extend([
             ("hit", Signal::Bit(result.walk.hit)),
             ("guard", Signal::Bit(guard)),
             ("depth", Signal::Number(result.walk.t)),
@@ -309,7 +317,19 @@ impl PaperStep {
             ("position_v", Signal::Number(result.position_v)),
             ("texel_i", Signal::Integer(result.texel_i)),
             ("texel_j", Signal::Integer(result.texel_j)),
-        ];
+        ]);
+    }
+
+    /// [`PaperStep::step_into`] rows of their own, where speed does not matter.
+    pub fn step<A: Arith>(
+        &self,
+        a: &mut A,
+        registers: &[Signal<A>],
+        height: A::Int,
+        missed: A::Bit,
+    ) -> (Vec<Signal<A>>, Vec<Named<A>>) {
+        let (mut after, mut answers) = (Vec::new(), Vec::new());
+        self.step_into(a, registers, height, missed, &mut after, &mut answers);
         (after, answers)
     }
 }

@@ -6,7 +6,7 @@ mod subject;
 mod table;
 
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use clap::Args;
@@ -15,13 +15,13 @@ use hdl_gen::area::{Flow, Tools, measure};
 use hdl_gen::digest::netlist_digest;
 use rtl_model::scene::{Crossing, Method};
 
-use self::machine::{Latencies, MeasuredMachine};
+use self::machine::MeasuredMachine;
 use self::report::{Report, UnitFigures};
 use self::subject::Subject;
 use super::Outcome;
 use crate::machine::machine_of;
 use crate::operator_options::OperatorOptions;
-use crate::options::{AnswerOptions, MapOptions, NumberFormat, Replacements, Size};
+use crate::options::{AnswerOptions, Latencies, MapOptions, NumberFormat, Replacements, Size};
 use crate::output::{OutputFile, OutputFolder};
 use crate::progress;
 use crate::terminal;
@@ -49,12 +49,7 @@ pub struct Arguments {
 
     /// An operator (float_add, ...) or traverse_step, or several: repeat the option, or put commas
     /// between
-    #[arg(
-        long,
-        value_name = "UNIT",
-        value_delimiter = ',',
-        required_unless_present_any = ["table", "scene"]
-    )]
+    #[arg(long, value_name = "UNIT", value_delimiter = ',')]
     unit: Vec<String>,
 
     /// Number format: eXfY with X exponent and Y fraction bits, e7f16 unless told; of a fixed-point
@@ -76,7 +71,8 @@ pub struct Arguments {
     #[command(flatten)]
     operator: OperatorOptions,
 
-    /// Placements on the ECP5, with seeds 1 to N: the clock is their median
+    /// Placements on the ECP5, with seeds 1 to N: the clock is their median. Of a scene's machine
+    /// all of it is placed with so many, its units with one each
     #[arg(long, value_name = "N", default_value_t = Flow::DEFAULT.seeds,
         value_parser = clap::value_parser!(u32).range(1..=99))]
     seeds: u32,
@@ -85,8 +81,8 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "table")]
     no_dsp: bool,
 
-    /// Of a scene's machine of kind paper: cycles of adder, multiplier, divider, comparator and
-    /// conversion; 2,1,2,1,1 unless told, which are the paper's
+    /// Replace the cycles of the operators of a scene's machine of kind paper: adder, multiplier,
+    /// divider, comparator and conversion, such as 2,1,2,1,1, which are the paper's
     #[arg(long, value_name = "CYCLES", requires = "scene")]
     latencies: Option<Latencies>,
 
@@ -104,6 +100,11 @@ pub struct Arguments {
         "rounding", "policy", "flags",
         "latency", "multiplier", "radix", "result_format", "b_format", "overflow", "map", "method"])]
     table: Option<PathBuf>,
+
+    /// The most minutes that one run of a tool may take: of a whole machine, placement takes most
+    #[arg(long, value_name = "MINUTES", default_value_t = 60,
+        value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    time_limit: u32,
 
     /// Folder for area.csv and area.json, made if missing
     #[arg(short, long, value_name = "DIR")]
@@ -131,13 +132,14 @@ impl Arguments {
             crossing: None,
             camera: None,
             size: self.size,
+            latencies: self.latencies,
         };
         let scene = replacements.load(path)?;
         machine_of(&scene)?;
         if !has_tools {
             return Ok(None);
         }
-        MeasuredMachine::of(&scene, self.latencies).map(Some)
+        MeasuredMachine::of(&scene).map(Some)
     }
 
     /// The operators and steps that are asked for. Nothing that a person says is ignored.
@@ -187,12 +189,23 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
         wide_luts: arguments.wide_luts,
         no_dsp: arguments.no_dsp,
     };
-    let tools = Tools::find();
+    let Arguments {
+        unit, table, scene, ..
+    } = &arguments;
+    if unit.is_empty() && table.is_none() && scene.is_none() {
+        bail!(
+            "nothing to measure: name a SCENE with a table [machine], such as \
+             scenes/machine-paper.toml, or operators and steps with --unit, such as --unit \
+             float_add"
+        );
+    }
+    let limit = Duration::from_secs(60 * u64::from(arguments.time_limit));
+    let tools = Tools::find().map(|tools| tools.with_time_limit(limit));
     let machine = arguments.machine(tools.is_ok())?;
     let of_flow = |subjects: Vec<Subject>| subjects.into_iter().map(|one| (one, flow)).collect();
     let subjects: Vec<(Subject, Flow)> = match (&arguments.table, &machine) {
         (Some(_), _) => table::subjects(flow)?,
-        (None, Some(machine)) => of_flow(machine.subjects()),
+        (None, Some(machine)) => machine.subjects(flow),
         (None, None) => of_flow(arguments.subjects()?),
     };
     if subjects.is_empty() && arguments.scene.is_none() {
@@ -209,6 +222,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     let mut units = Vec::new();
     for (subject, flow) in &subjects {
         let core = subject.core();
+        bar.set_message(core.name.clone());
         let figures = measure(&core, *flow, &tools, &|| bar.inc(1))
             .with_context(|| core.name.clone())
             .inspect_err(|_| bar.finish_and_clear())?;

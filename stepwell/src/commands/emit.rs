@@ -78,6 +78,9 @@ struct Summary {
 
 /// Emits the scene or the unit.
 pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
+    if arguments.scene.is_none() {
+        arguments.replacements.none_of_machines()?;
+    }
     let folder = OutputFolder::prepare(&arguments.output)?;
     let mut package = None;
     folder.publish(|folder| {

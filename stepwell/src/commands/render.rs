@@ -7,13 +7,11 @@ use anyhow::bail;
 use clap::Args;
 use serde::Serialize;
 
-use rtl_model::float::FloatFormat;
 use rtl_model::frame::{Frame, walk_scene};
 use rtl_model::maps::{HeightMap, Pyramid};
 use rtl_model::picture::{
     Plot, PlotAxis, Series, depth_picture, save_png, shaded_picture, steps_picture,
 };
-use rtl_model::readings::E7F16;
 use rtl_model::scene::{MachineKind, Scene};
 
 use super::Outcome;
@@ -139,12 +137,7 @@ fn run_machine(scene: &Scene) -> anyhow::Result<MachineReport> {
             machine.kind.name()
         );
     }
-    let subject = PaperScene::of(scene, &machine)?;
-    Ok(match subject.format {
-        // The format the unit is made for: its arithmetic compiled for it.
-        FloatFormat::E7F16 => subject.golden(E7F16, None),
-        other => subject.golden(other, None),
-    })
+    Ok(PaperScene::of(scene, &machine)?.golden_run(None))
 }
 
 fn save_occupancy(folder: &Path, scene: &Scene, report: &MachineReport) -> anyhow::Result<()> {

@@ -130,6 +130,9 @@ impl FromStr for Fault {
 /// Verifies the scene or the unit.
 pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     let options = &arguments.operator;
+    if arguments.scene.is_none() {
+        arguments.replacements.none_of_machines()?;
+    }
     match (&arguments.scene, arguments.unit.as_deref()) {
         (Some(scene), _) => {
             options.none_for("a scene")?;

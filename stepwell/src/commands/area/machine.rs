@@ -1,17 +1,15 @@
 //! A scene's machine: its units, and the pixels it gives a second for what it takes.
 
-use std::str::FromStr;
+use std::fmt::Display;
 use std::sync::Arc;
 
 use anyhow::bail;
 use serde::Serialize;
 
-use hdl_gen::datapath::OperatorLatencies;
+use hdl_gen::area::Flow;
 use hdl_gen::netlist::Module;
 use hdl_gen::units::PAPER_LOOP;
-use rtl_model::float::FloatFormat;
-use rtl_model::readings::E7F16;
-use rtl_model::scene::{MachineKind, Scene};
+use rtl_model::scene::{MachineKind, MachineLatencies, Scene};
 
 use super::report::UnitFigures;
 use super::subject::{MachineUnit, Subject};
@@ -23,44 +21,9 @@ const WHOLE: &str = "machine";
 /// The unit whose memory is no part of a comparison.
 const CACHE: &str = "height_cache";
 
-/// The most cycles of an operator.
-const LONGEST: u32 = 32;
-
-/// Cycles of the operators of the paper's machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Latencies(pub OperatorLatencies);
-
-impl FromStr for Latencies {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Latencies, String> {
-        let cycles = text.split(',').map(|word| {
-            let cycles = word.trim().parse().ok();
-            cycles.filter(|cycles| (1..=LONGEST).contains(cycles))
-        });
-        let cycles: Option<Vec<u32>> = cycles.collect();
-        match cycles.as_deref() {
-            Some(&[adder, multiplier, divider, comparator, conversion]) => {
-                Ok(Latencies(OperatorLatencies {
-                    adder,
-                    multiplier,
-                    divider,
-                    comparator,
-                    conversion,
-                }))
-            }
-            _ => Err(format!(
-                "five numbers of cycles, 1 to {LONGEST}, of adder, multiplier, divider, \
-                 comparator and conversion, such as 2,1,8,1,1"
-            )),
-        }
-    }
-}
-
-/// A machine to be measured.
+/// A machine to be measured: its units, and its golden run on the scene's frame.
 pub struct MeasuredMachine {
-    kind: MachineKind,
-    latencies: OperatorLatencies,
+    latencies: Option<MachineLatencies>,
     units: Vec<MachineUnit>,
     report: MachineReport,
 }
@@ -70,23 +33,19 @@ impl MeasuredMachine {
     ///
     /// # Errors
     /// If the scene has no machine, or it cannot be built.
-    pub fn of(scene: &Scene, latencies: Option<Latencies>) -> anyhow::Result<MeasuredMachine> {
+    pub fn of(scene: &Scene) -> anyhow::Result<MeasuredMachine> {
         let machine = machine_of(scene)?;
-        let latencies = latencies.map_or(OperatorLatencies::PAPER, |chosen| chosen.0);
         match machine.kind {
             MachineKind::Paper => {
-                let subject = PaperScene::with_latencies(scene, &machine, &latencies)?;
-                let design = &subject.unit.design;
-                let report = match subject.format {
-                    // The format the unit is made for: its arithmetic compiled for it.
-                    FloatFormat::E7F16 => subject.golden(E7F16, None),
-                    other => subject.golden(other, None),
-                };
+                let subject = PaperScene::of(scene, &machine)?;
                 Ok(MeasuredMachine {
-                    kind: machine.kind,
-                    latencies,
-                    units: units(design, &[PAPER_LOOP], &subject.format.to_string()),
-                    report,
+                    latencies: Some(subject.latencies),
+                    ..MeasuredMachine::new(
+                        &subject.unit.design,
+                        &[PAPER_LOOP],
+                        subject.format,
+                        subject.golden_run(None),
+                    )
                 })
             }
             MachineKind::Exact => bail!(
@@ -98,9 +57,29 @@ impl MeasuredMachine {
         }
     }
 
-    /// What is measured: every unit, and then all of it.
-    pub fn subjects(&self) -> Vec<Subject> {
-        self.units.iter().cloned().map(Subject::Unit).collect()
+    /// A machine of any kind: measured are its instances, in place of its modules `opened` those
+    /// within them, and all of it; `report` is what its golden run came to.
+    pub fn new(
+        design: &Arc<Module>,
+        opened: &[&str],
+        format: impl Display,
+        report: MachineReport,
+    ) -> MeasuredMachine {
+        MeasuredMachine {
+            latencies: None,
+            units: units(design, opened, &format.to_string()),
+            report,
+        }
+    }
+
+    /// What is measured, and how: every unit with one placement, and then all of it with as many
+    /// as are asked for.
+    pub fn subjects(&self, flow: Flow) -> Vec<(Subject, Flow)> {
+        let subject = |unit: &MachineUnit| {
+            let seeds = if unit.name == WHOLE { flow.seeds } else { 1 };
+            (Subject::Unit(unit.clone()), Flow { seeds, ..flow })
+        };
+        self.units.iter().map(subject).collect()
     }
 
     /// What the figures of [`MeasuredMachine::subjects`] come to; none without those of the whole.
@@ -108,12 +87,14 @@ impl MeasuredMachine {
         let whole = units.iter().find(|unit| unit.unit == WHOLE)?;
         let cache = units.iter().find(|unit| unit.unit == CACHE);
         let cache_memory_lut4 = cache.map_or(0, |cache| cache.lut4_memory);
-        let lut4 = whole.lut4 - cache_memory_lut4.min(whole.lut4);
+        let lut4 = whole.lut4_taken - cache_memory_lut4.min(whole.lut4_taken);
+        let parts = units.iter().filter(|unit| unit.unit != WHOLE);
+        let of_parts: u64 = parts.map(|unit| unit.lut4_taken).sum();
         let mpixels = whole.fmax_mhz / self.report.cycles_per_pixel;
         Some(MachineFigures {
             latencies: self.latencies,
-            kind: self.kind.name(),
             lut4_without_cache_memory: lut4,
+            lut4_in_no_unit: whole.lut4_taken as i64 - of_parts as i64,
             cache_memory_lut4,
             cache_memory_bram: cache.map_or(0, |cache| cache.bram),
             mpixels_per_second: mpixels,
@@ -128,7 +109,7 @@ impl MeasuredMachine {
     }
 }
 
-/// The instances of a machine, those of its modules `opened` too, and then all of it.
+/// The instances of a machine, in place of a module `opened` those within it, and then all of it.
 fn units(design: &Arc<Module>, opened: &[&str], format: &str) -> Vec<MachineUnit> {
     let unit = |name: String, module: &Arc<Module>| MachineUnit {
         name,
@@ -137,12 +118,13 @@ fn units(design: &Arc<Module>, opened: &[&str], format: &str) -> Vec<MachineUnit
     };
     let mut units = Vec::new();
     for instance in &design.instances {
-        units.push(unit(instance.name.clone(), &instance.module));
         if opened.contains(&instance.module.name.as_str()) {
             units.extend(instance.module.instances.iter().map(|within| {
                 let name = format!("{}.{}", instance.name, within.name);
                 unit(name, &within.module)
             }));
+        } else {
+            units.push(unit(instance.name.clone(), &instance.module));
         }
     }
     units.push(unit(WHOLE.to_owned(), design));
@@ -152,12 +134,14 @@ fn units(design: &Arc<Module>, opened: &[&str], format: &str) -> Vec<MachineUnit
 /// What a machine reaches. The memory of its height cache, words and tags, stands apart.
 #[derive(Clone, Debug, Serialize)]
 pub struct MachineFigures {
-    #[serde(skip)]
-    kind: &'static str,
-    /// Cycles of its operators.
-    pub latencies: OperatorLatencies,
-    /// Look-up tables on the ECP5 of all but the cache's memory.
+    /// Of the paper's machine, cycles of its operators.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub latencies: Option<MachineLatencies>,
+    /// Look-up tables taken on the ECP5 by all but the cache's memory, those of carries included.
     pub lut4_without_cache_memory: u64,
+    /// Look-up tables of the whole less those of its units: what connects and controls them, less
+    /// what they share, or has no use, once they are connected.
+    pub lut4_in_no_unit: i64,
     /// Look-up tables that hold the cache's memory.
     pub cache_memory_lut4: u64,
     /// Block RAMs that hold it.
@@ -174,24 +158,27 @@ pub struct MachineFigures {
 impl MachineFigures {
     /// Lines for people.
     pub fn text(&self) -> String {
-        let OperatorLatencies {
-            adder,
-            multiplier,
-            divider,
-            comparator,
-            conversion,
-        } = self.latencies;
         let mut text = String::new();
-        if self.kind == MachineKind::Paper.name() {
+        if let Some(latencies) = self.latencies {
+            let MachineLatencies {
+                adder,
+                multiplier,
+                divider,
+                comparator,
+                conversion,
+            } = latencies;
             text += &format!(
                 "cycles of operators: adder {adder}, multiplier {multiplier}, divider {divider}, \
                  comparator {comparator}, conversion {conversion}\n"
             );
         }
         text + &format!(
-            "cache memory apart: {} BRAM and {} LUT4 hold the height cache's words and tags; {} \
+            "{} LUT4 of machine are those of no unit: control, less what its units share once they \
+             are connected. Units are placed once\n\
+             cache memory apart: {} BRAM and {} LUT4 hold the height cache's words and tags; {} \
              LUT4 do all else. In gates memories of more than 64 words stand apart\n\
              {:.2} cycles a pixel, {:.3} Mpixels/s, {:.4} Mpixels/s per kLUT4\n",
+            self.lut4_in_no_unit,
             self.cache_memory_bram,
             self.cache_memory_lut4,
             self.lut4_without_cache_memory,

@@ -14,7 +14,7 @@ use rtl_model::scene::{Machine, MachineKind, Scene};
 
 use super::summary::{Finished, SignalFacts, Summary};
 use super::{Arguments, Outcome};
-use crate::machine::{MachineReport, PaperScene};
+use crate::machine::PaperScene;
 use crate::output::OutputFolder;
 use crate::progress;
 
@@ -41,7 +41,7 @@ pub fn verify(arguments: &Arguments, scene: &Scene, machine: &Machine) -> anyhow
         subject.unit.design = plant(&subject.unit.design, &fault.signal, fault.bit)?;
     }
     let stalls = arguments.stalls.then_some(arguments.seed as u16);
-    let report = golden(&subject, stalls);
+    let report = subject.golden_run(stalls);
     let design = PaperDesign::of_unit(&subject.unit);
     let run = subject.run(stalls);
     let start = Instant::now();
@@ -103,15 +103,6 @@ pub fn verify(arguments: &Arguments, scene: &Scene, machine: &Machine) -> anyhow
         .of_machine(report)
         .answer(arguments.answer.json)?;
     Ok(if agrees { outcome } else { Outcome::Disagreed })
-}
-
-/// The golden machine alone.
-fn golden(subject: &PaperScene, stalls: Option<u16>) -> MachineReport {
-    match subject.format {
-        // The format the unit is made for: its arithmetic compiled for it.
-        FloatFormat::E7F16 => subject.golden(E7F16, stalls),
-        other => subject.golden(other, stalls),
-    }
 }
 
 /// The comparison of a run, in the format the unit is made for where it is known when this is
