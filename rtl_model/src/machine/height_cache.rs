@@ -324,7 +324,7 @@ impl ClockedUnit for HeightCache {
             outputs.answer_valid.into(),
             outputs.hit.into(),
         ]);
-        words.extend(&outputs.heights[..self.shape.answer_ports().len()]);
+        words.extend(&outputs.heights[..self.shape.words_read() as usize]);
         words.extend([u64::from(outputs.fetch_valid), outputs.fetch_line]);
         if self.shape.counters {
             let counter = |count: u64| count & ((1 << COUNTER_BITS) - 1);
