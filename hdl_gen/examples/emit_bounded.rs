@@ -25,8 +25,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut datapaths = vec![
             (BoundedDatapath::SetupEntry, 0, 1),
             (BoundedDatapath::SetupDigits(1), 0, 1),
-            (BoundedDatapath::SetupDigits(3), 0, 1),
-            (BoundedDatapath::SetupEnd, 0, 1),
+            (BoundedDatapath::SetupDigits(2), 0, 1),
+            (BoundedDatapath::SetupNear(2, shape.behind_bits()), 0, 1),
+            (BoundedDatapath::SetupEnd(shape.behind_bits()), 0, 1),
             (BoundedDatapath::LeafEntry, 0, 1),
             (BoundedDatapath::LeafTravel(1), 0, 1),
             (BoundedDatapath::LeafTravel(2), 0, 1),

@@ -16,7 +16,7 @@ use super::probe::Probe;
 use crate::blocks::{fifo, height_cache, read_port};
 use crate::datapath::BuiltDatapath;
 use crate::netlist::{Builder, Module, Wire};
-use rtl_model::machine::{DeclaredKind, EXACT_COUNTER_BITS, ExactMachineShape};
+use rtl_model::machine::{DeclaredKind, EXACT_COUNTER_BITS, ExactMachineShape, READ_STAGE};
 use rtl_model::units::bounded_datapaths::BoundedDatapath;
 use rtl_model::units::bounded_shape::LINE_BITS;
 
@@ -252,14 +252,14 @@ impl Build<'_> {
         let mut valid = self.b.register(1, None, Some(0));
         let mut slot = self.b.register(slot_bits, None, None);
         let (valid_s0, slot_s0) = (valid, slot);
-        let mut valid_s1 = valid;
+        let mut valid_read = valid;
         for stage in 0..stages {
             self.b.name(valid, format!("valid_s{stage}"));
             self.b.name(slot, format!("slot_s{stage}"));
             if stage + 1 < stages {
                 valid = self.b.registered(valid, None, Some(0));
-                if stage == 0 {
-                    valid_s1 = valid;
+                if stage + 1 == READ_STAGE {
+                    valid_read = valid;
                 }
                 slot = self.b.registered(slot, None, None);
             }
@@ -291,6 +291,10 @@ impl Build<'_> {
         ];
         let fields = names.map(|name| set_up.get(name));
         let ray = self.read_memory("step_rays", &fields, (admits, number), (always, slot_s0));
+        let ray: Vec<Wire> = ray
+            .into_iter()
+            .map(|word| self.b.registered(word, None, None))
+            .collect();
 
         self.b.section("the bounds of blocks, by slot and line");
         let line_bits = bounded
@@ -314,16 +318,18 @@ impl Build<'_> {
         let fresh_s0 = self.get("fresh_s0");
         let fresh = self.b.registered(fresh_s0, None, Some(0));
         self.b.name(fresh, "fresh_s1");
+        let fresh_read = self.b.registered(fresh, None, Some(0));
         let mut base = Vec::new();
         for (axis, stored) in ["u", "v"].into_iter().zip(stored) {
             let own = set_up.get(&format!("t_near_{axis}"));
             let own = self.b.registered(own, None, None);
-            base.push(self.b.mux(fresh, own, stored));
+            let base_s1 = self.b.mux(fresh, own, stored);
+            base.push(self.b.registered(base_s1, None, None));
         }
 
         self.b.section("the cache is asked, a stage later");
         let lookup_valid = self.get("lookup_valid");
-        self.b.connect(lookup_valid, valid_s1);
+        self.b.connect(lookup_valid, valid_read);
         let address = self.fit(trip.get("line_address_o"), bounded.address_bits());
         let lookup_address = self.get("lookup_address");
         self.b.connect(lookup_address, address);
@@ -346,7 +352,7 @@ impl Build<'_> {
         }
         inputs.put("t_base_u_i", base[0]);
         inputs.put("t_base_v_i", base[1]);
-        inputs.put("fresh_i", fresh);
+        inputs.put("fresh_i", fresh_read);
         inputs.put("missed_i", missed);
         for (number, height) in heights.into_iter().enumerate() {
             inputs.put(format!("height_{number}_i"), height);
@@ -410,8 +416,10 @@ impl Build<'_> {
             return all;
         }
         let address = self.get("lookup_address");
-        let place = self.b.slice(address, shape.offset_bits() - 1, 0);
-        let place = self.b.registered(place, None, None);
+        let mut place = self.b.slice(address, shape.offset_bits() - 1, 0);
+        for _ in 0..shape.cache.latency {
+            place = self.b.registered(place, None, None);
+        }
         self.b.name(place, "lookup_place");
         let (low, high) = (self.b.bit(place, 0), self.b.bit(place, 1));
         (0..cells)

@@ -5,7 +5,7 @@ use super::probe::Probe;
 use crate::blocks::declared_probes;
 use crate::datapath::BuiltDatapath;
 use crate::netlist::Meaning;
-use rtl_model::machine::{Declared, DeclaredKind, ExactMachineShape, READ_STAGE};
+use rtl_model::machine::{Declared, DeclaredKind, ExactMachineShape, KNOWN_STAGE};
 
 /// Where the words of a cycle begin: those of [`rtl_model::machine::ExactMachine::observe`], of the first stage
 /// ([`observe_entry`](rtl_model::machine::ExactMachine::observe_entry)), then, of the stage in which the ray has
@@ -120,7 +120,7 @@ pub(super) fn exact_probes(shape: &ExactMachineShape, trip: &BuiltDatapath) -> V
             Ok(word) => trace + word,
             Err(input) => inputs + BEFORE_INPUTS + input,
         };
-        let observed_in = if is_early { READ_STAGE } else { answered_in };
+        let observed_in = if is_early { KNOWN_STAGE } else { answered_in };
         let delay = register.stage - observed_in;
         let scope = [EXACT_MACHINE, "trip"];
         probes.push(Probe {

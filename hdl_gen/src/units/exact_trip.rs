@@ -171,8 +171,8 @@ pub fn build_exact_trip(shape: &ExactMachineShape) -> BuiltDatapath {
         ),
         "Where the line has missed the cache, the walk comes out as it went in.".to_owned(),
         format!(
-            "A ray's constants, bounds and fresh_i are read a cycle after a walk's registers, heights and \
-             missed_i {} after them.",
+            "A ray's constants, bounds and fresh_i are read {READ_STAGE} cycles after a walk's registers, \
+             heights and missed_i {} after them.",
             shape.height_stage()
         ),
         "golden: rtl_model::machine::exact_trip".to_owned(),

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::clocked::{ClockedRun, EachCycle};
 use crate::netlist::Module;
 use crate::units::{ExactUnit, Probe};
-use rtl_model::machine::{Declared, DeclaredKind, ExactMachineShape, ExactRun, READ_STAGE};
+use rtl_model::machine::{Declared, DeclaredKind, ExactMachineShape, ExactRun, KNOWN_STAGE};
 use rtl_model::readings::{E7F16, FloatReading, Traced};
 
 /// The exact machine, to be held against its golden model.
@@ -47,7 +47,7 @@ impl ExactDesign {
             words.clear();
             machine.observe(inputs, &mut words);
             machine.observe_entry(&mut words);
-            for stage in [READ_STAGE, answered_in] {
+            for stage in [KNOWN_STAGE, answered_in] {
                 machine.observe_stage(stage, &mut words);
                 machine.trace(stage, &mut traced, &mut words);
             }

@@ -19,7 +19,7 @@ mod ports;
 
 pub use ports::{ExactCounts, ExactHit, ExactInputs, ExactOutputs};
 
-use super::exact_shape::{ExactMachineShape, READ_STAGE};
+use super::exact_shape::{ExactMachineShape, KNOWN_STAGE, READ_STAGE};
 use super::exact_state::{Checking, LeafWalk, LoopWalk, SetUp, SlotRay, Trip, fixed_ray};
 use super::exact_trip::{curve_address, exact_trip};
 use super::fifo::Fifo;
@@ -29,7 +29,7 @@ use crate::readings::F64Reading;
 use crate::units::bounded_leaf::{
     LeafTravel, corner_digit, corner_start, leaf_place, leaf_verdict, leaf_ways, travel_digit,
 };
-use crate::units::bounded_setup::{setup_digit, setup_end, setup_entry};
+use crate::units::bounded_setup::{near_digit, near_start, setup_digit, setup_end, setup_entry};
 use crate::units::bounded_shape::LINE_BITS;
 
 /// The exact machine.
@@ -103,7 +103,7 @@ impl ExactMachine {
         answered.place = 0;
         machine.answer(&mut answered);
         machine.trips[1..].fill(answered);
-        machine.trips[READ_STAGE as usize] = read;
+        machine.trips[KNOWN_STAGE as usize..=READ_STAGE as usize].fill(read);
         machine
     }
 
@@ -265,7 +265,7 @@ impl ExactMachine {
             own: bounds,
             ..Trip::default()
         };
-        let is_read = (self.first + READ_STAGE as usize) % self.trips.len();
+        let is_read = (self.first + KNOWN_STAGE as usize) % self.trips.len();
         let mut trip = self.trips[is_read];
         self.read(&mut trip);
         self.trips[is_read] = trip;
@@ -283,13 +283,13 @@ impl ExactMachine {
 
     /// A ray that is set up goes into a slot; answers its walk, and the bounds of its first block.
     fn admit(&mut self, slot: u64) -> (LoopWalk, (i64, i64)) {
-        let shape = self.shape.bounded;
-        let a = &mut F64Reading;
-        let mut set_up = self.setups[self.setups.len() - 1];
-        if self.shape.effort.waiting_rays == 0 {
-            set_up = self.with_rest(set_up);
-        }
-        let SetUp { ray, u, v, .. } = set_up;
+        let last = self.setups.len() - 1;
+        let set_up = match self.shape.effort.waiting_rays {
+            0 => self.handed_on(last),
+            _ => self.setups[last],
+        };
+        let ray = set_up.ray;
+        let [u, v] = set_up.axes;
         self.rays[slot as usize] = SlotRay {
             t_delta_u: u.t_delta,
             t_delta_v: v.t_delta,
@@ -302,18 +302,7 @@ impl ExactMachine {
             from_own_line: true,
             ..LoopWalk::default()
         };
-        let bounds = (setup_end(a, shape, u.t_near), setup_end(a, shape, v.t_near));
-        (walk, bounds)
-    }
-
-    /// A ray behind the last setup that makes digits, with those that are left.
-    fn with_rest(&self, mut set_up: SetUp) -> SetUp {
-        let (a, shape) = (&mut F64Reading, self.shape.bounded);
-        for _ in 0..self.shape.setup_rest() {
-            set_up.u = setup_digit(a, shape, set_up.ray.slope_u, &set_up.u);
-            set_up.v = setup_digit(a, shape, set_up.ray.slope_v, &set_up.v);
-        }
-        set_up
+        (walk, (u.t_near, v.t_near))
     }
 
     fn clock_setups(&mut self, inputs: &ExactInputs) {
@@ -336,11 +325,12 @@ impl ExactMachine {
                         let ports = [ray.u, ray.v, ray.du, ray.dv];
                         SetUp::of(inputs.ray_id, &setup_entry(a, shape, ports))
                     }
-                    _ if number as u32 == self.shape.effort.setups => {
-                        self.with_rest(self.setups[number - 1])
-                    }
-                    _ => self.setups[number - 1],
+                    _ => self.handed_on(number - 1),
                 };
+                for (axis, before) in loaded.axes.iter_mut().zip(&self.setups[number].axes) {
+                    // They are shifted out.
+                    axis.division.quotient = before.division.quotient;
+                }
                 (loaded.busy, loaded.turns) = (true, self.shape.setup_turns(number as u32));
                 self.setups[number] = loaded;
                 continue;
@@ -351,12 +341,43 @@ impl ExactMachine {
             }
             if this.turns > 0 {
                 this.turns -= 1;
-                for _ in 0..self.shape.effort.setup_digits {
-                    this.u = setup_digit(a, shape, this.ray.slope_u, &this.u);
-                    this.v = setup_digit(a, shape, this.ray.slope_v, &this.v);
+                let slopes = [this.ray.slope_u, this.ray.slope_v];
+                for (axis, slope) in this.axes.iter_mut().zip(slopes) {
+                    if number as u32 == self.shape.effort.setups {
+                        let digits = self.shape.near_digits();
+                        for _ in 0..self.shape.effort.near_digits {
+                            let quotient = axis.digits_before;
+                            axis.product = near_digit(a, shape, digits, quotient, &axis.product);
+                        }
+                        continue;
+                    }
+                    axis.division = setup_digit(a, shape, slope, &axis.division);
+                    axis.division.quotient &= (1 << self.shape.setup_turns(number as u32)) - 1;
                 }
             }
         }
+    }
+
+    /// What a setup gives to the next.
+    fn handed_on(&self, number: usize) -> SetUp {
+        let mut set_up = self.setups[number];
+        let (shape, setups) = (&self.shape, self.shape.effort.setups);
+        let (a, digits) = (&mut F64Reading, shape.near_digits());
+        for axis in &mut set_up.axes {
+            if number as u32 == setups {
+                let quotient = axis.digits_before;
+                let (saturates, product) = (axis.saturates, &axis.product);
+                (axis.t_delta, axis.t_near) =
+                    setup_end(a, shape.bounded, digits, saturates, quotient, product);
+            } else if (number as u32) < setups {
+                let made = axis.digits_before << shape.setup_turns(number as u32);
+                axis.digits_before = made | axis.division.quotient;
+                if number as u32 + 1 == setups {
+                    axis.product = near_start(a, shape.bounded, digits, axis.product.behind);
+                }
+            }
+        }
+        set_up
     }
 
     fn clock_leaf(&mut self, outputs: &ExactOutputs, taken: bool, last: &Trip) {

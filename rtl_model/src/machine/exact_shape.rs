@@ -9,6 +9,7 @@ use super::recirculation::ID_BITS;
 use crate::maps::Lines;
 use crate::scene::MachineCache;
 use crate::units::bounded_leaf::{corner_bits, corner_digits};
+use crate::units::bounded_setup::near_sum_bits;
 use crate::units::bounded_shape::{BoundedShape, LINE_BITS, PLACE_BITS};
 
 /// Bits of the counters, which run over.
@@ -22,15 +23,15 @@ pub const KEPT_NAMES: [&str; 6] = ["kept_0", "kept_1", "kept_2", "kept_3", "kept
 pub struct ExactEffort {
     /// Rays that may be inside at once: a power of two, 2 to 64.
     pub slots: u32,
-    /// Stages of the loop; the height arrives in the fourth.
+    /// Stages of the loop; the height arrives in the sixth.
     pub stages: u32,
-    /// Setups one behind the other, each with its share of the digits.
+    /// Setups one behind the other, each with its share of the digits of the quotients, one a cycle.
     pub setups: u32,
+    /// Digits of the way to a near border that the setup behind them makes a cycle.
+    pub near_digits: u32,
     /// Rays that may wait behind them, set up, in registers: where several leave the loop one
     /// after the other, as many follow at once.
     pub waiting_rays: u32,
-    /// Digits that a setup makes a cycle.
-    pub setup_digits: u32,
     /// Digits of the depth that the leaf check makes a cycle: 1, 2, 4 or 8.
     pub travel_digits: u32,
     /// Digits of the error term that it makes a cycle.
@@ -41,10 +42,10 @@ impl ExactEffort {
     /// Little area, for lines of 2 x 2 heights.
     pub const AREA: ExactEffort = ExactEffort {
         slots: 16,
-        stages: 6,
-        setups: 2,
+        stages: 8,
+        setups: 3,
+        near_digits: 2,
         waiting_rays: 2,
-        setup_digits: 2,
         travel_digits: 2,
         corner_digits: 1,
     };
@@ -52,10 +53,10 @@ impl ExactEffort {
     /// Few cycles a ray, for lines of 4 x 4 heights.
     pub const THROUGHPUT: ExactEffort = ExactEffort {
         slots: 16,
-        stages: 6,
-        setups: 3,
+        stages: 8,
+        setups: 6,
+        near_digits: 6,
         waiting_rays: 2,
-        setup_digits: 3,
         travel_digits: 4,
         corner_digits: 1,
     };
@@ -80,10 +81,15 @@ pub struct ExactMachineShape {
 }
 
 /// The stage in which what stage 0 has read of a ray is there: its constants, and the bounds of its block.
-pub const READ_STAGE: u32 = 1;
+///
+/// Between the two a block RAM has given its word: that takes half a cycle.
+pub const READ_STAGE: u32 = 2;
+
+/// The stage in front of which the golden machine knows what a trip has read.
+pub const KNOWN_STAGE: u32 = 1;
 
 /// The stage in which the cache is asked; the address is computed in the one before.
-const LOOKUP_STAGE: u32 = 2;
+const LOOKUP_STAGE: u32 = READ_STAGE + 1;
 
 impl ExactMachineShape {
     /// A machine. A cache never has more than half the lines of the memory: a line's number would
@@ -106,7 +112,8 @@ impl ExactMachineShape {
             lines: cache.lines.min(1 << (line_bits - 1)),
             pending: cache.pending,
             answer: CacheAnswer::Line,
-            latency: 1,
+            // A block RAM, and a register behind it.
+            latency: 2,
             counters,
         };
         cache.check();
@@ -132,7 +139,7 @@ impl ExactMachineShape {
         );
         assert!(effort.stages > self.height_stage(), "too few stages");
         assert!(
-            effort.setups >= 1 && effort.setup_digits >= 1 && effort.corner_digits >= 1,
+            effort.setups >= 1 && effort.near_digits >= 1 && effort.corner_digits >= 1,
             "no setup, or no digits"
         );
         let height_bits = self.bounded.words.height_bits;
@@ -158,33 +165,44 @@ impl ExactMachineShape {
         4 - 2 * self.bounded.log2_side
     }
 
-    /// Setups, and behind them those that only hold a ray.
+    /// Setups, the one behind them, and behind that those places that only hold a ray.
     pub fn setup_places(&self) -> u32 {
-        self.effort.setups + self.effort.waiting_rays
-    }
-
-    /// Cycles in which a setup makes digits: none where a ray only waits.
-    pub fn setup_turns(&self, setup: u32) -> u32 {
-        if self.only_waits(setup) {
-            return 0;
-        }
-        let turns = self.bounded.setup_digits() / self.effort.setup_digits;
-        turns / self.effort.setups + u32::from(setup < turns % self.effort.setups)
-    }
-
-    /// Bits of the count of such cycles.
-    pub fn setup_turn_bits(&self) -> u32 {
-        bits_for(self.setup_turns(0) + 1).max(1)
+        self.effort.setups + 1 + self.effort.waiting_rays
     }
 
     /// Does a ray only wait at this place of the chain of setups?
     pub fn only_waits(&self, setup: u32) -> bool {
-        setup >= self.effort.setups
+        setup > self.effort.setups
     }
 
-    /// Digits that are left to be made on the way out of the last setup that makes any.
-    pub fn setup_rest(&self) -> u32 {
-        self.bounded.setup_digits() % self.effort.setup_digits
+    /// Digits of the way to a near border that are made: as many as it has bits, or some more.
+    pub fn near_digits(&self) -> u32 {
+        let digits = self.effort.near_digits;
+        self.bounded.behind_bits().div_ceil(digits) * digits
+    }
+
+    /// Cycles in which a setup makes digits: of the quotients, or, behind the last of those, of the ways to
+    /// the near borders. None where a ray only waits.
+    pub fn setup_turns(&self, setup: u32) -> u32 {
+        let (setups, digits) = (self.effort.setups, self.bounded.setup_digits());
+        match setup {
+            _ if self.only_waits(setup) => 0,
+            _ if setup == setups => self.near_digits() / self.effort.near_digits,
+            _ => digits / setups + u32::from(setup < digits % setups),
+        }
+    }
+
+    /// Digits of a quotient that are made before a setup.
+    pub fn digits_before(&self, setup: u32) -> u32 {
+        (0..setup).map(|before| self.setup_turns(before)).sum()
+    }
+
+    /// Bits of the count of such cycles.
+    pub fn setup_turn_bits(&self) -> u32 {
+        let most = self
+            .setup_turns(0)
+            .max(self.setup_turns(self.effort.setups));
+        bits_for(most + 1).max(1)
     }
 
     /// Cycles in which the leaf check makes digits of the depth.
@@ -299,26 +317,35 @@ impl ExactMachineShape {
         ]
     }
 
-    /// The registers of a division, without their axis.
-    pub fn division_registers(&self) -> Vec<(&'static str, u32)> {
+    /// The registers of an axis in a setup, without their axis: of a division, of its quotient the digits
+    /// made here and those made before; behind the divisions, of the product; where a ray only waits, of what
+    /// has come of it.
+    pub fn setup_registers(&self, setup: u32) -> Vec<(&'static str, u32)> {
         let shape = self.bounded;
-        let rest = shape.words.slope_bits + 1;
-        vec![
-            ("delta_remainder", rest),
-            ("first_remainder", rest),
-            ("delta_saturates", 1),
+        if self.only_waits(setup) {
+            return vec![
+                ("t_delta", shape.delta_bits()),
+                ("t_near", shape.bound_bits()),
+            ];
+        }
+        if setup == self.effort.setups {
+            return vec![
+                ("saturates", 1),
+                ("quotient", shape.delta_bits()),
+                ("behind", self.near_digits()),
+                ("sum", near_sum_bits(shape, self.near_digits())),
+            ];
+        }
+        let mut registers = vec![
+            ("saturates", 1),
+            ("behind", shape.behind_bits()),
+            ("remainder", shape.words.slope_bits),
             ("first_saturates", 1),
-            ("texels_back", shape.largest_block_level() + 2),
-            ("t_delta", shape.delta_bits() + 1),
-            ("t_near", shape.bound_bits()),
-        ]
-    }
-
-    /// Those of a place in the chain of setups: where a ray only waits, the quotients.
-    pub fn division_registers_of(&self, setup: u32) -> Vec<(&'static str, u32)> {
-        let mut registers = self.division_registers();
-        registers
-            .retain(|(name, _)| !self.only_waits(setup) || ["t_delta", "t_near"].contains(name));
+            ("digits", self.setup_turns(setup)),
+        ];
+        if setup > 0 {
+            registers.push(("digits_before", self.digits_before(setup)));
+        }
         registers
     }
 
@@ -410,7 +437,7 @@ impl ExactMachineShape {
                 signals.push(data(format!("setup_{setup}_{name}"), width));
             }
             for axis in ["u", "v"] {
-                for (name, width) in self.division_registers_of(setup) {
+                for (name, width) in self.setup_registers(setup) {
                     signals.push(data(format!("setup_{setup}_{name}_{axis}"), width));
                 }
             }

@@ -4,7 +4,7 @@ use super::exact_shape::ExactMachineShape;
 use crate::arith::Arith;
 use crate::readings::F64Reading;
 use crate::units::bounded_leaf::{LeafCorner, LeafTravel, SeenCorner};
-use crate::units::bounded_setup::{BoundedEntry, BoundedRay, Division};
+use crate::units::bounded_setup::{AxisEntry, BoundedEntry, BoundedRay, Division, NearProduct};
 use crate::units::bounded_shape::MOST_BOUNDED_LINES;
 use crate::units::bounded_step::BoundedWalk;
 use crate::units::fixed_setup::FixedRayRegisters;
@@ -265,15 +265,57 @@ impl Checking {
     }
 }
 
-/// A setup.
+/// An axis in a setup.
 #[derive(Clone, Copy, Debug)]
+pub(super) struct SetUpAxis {
+    pub saturates: bool,
+    /// Its quotient is that of the digits made in this setup.
+    pub division: Division<F64Reading>,
+    /// The digits made before.
+    pub digits_before: i64,
+    pub product: NearProduct<F64Reading>,
+    /// Where it only waits: the depth between two borders, and the bound of the near one.
+    pub t_delta: i64,
+    pub t_near: i64,
+}
+
+impl SetUpAxis {
+    fn of(entry: &AxisEntry<F64Reading>) -> SetUpAxis {
+        let mut axis = SetUpAxis {
+            saturates: entry.saturates,
+            division: entry.division,
+            ..SetUpAxis::default()
+        };
+        axis.product.behind = entry.behind;
+        axis
+    }
+}
+
+impl Default for SetUpAxis {
+    fn default() -> Self {
+        SetUpAxis {
+            saturates: false,
+            division: Division {
+                remainder: 0,
+                first_saturates: false,
+                quotient: 0,
+            },
+            digits_before: 0,
+            product: NearProduct { behind: 0, sum: 0 },
+            t_delta: 0,
+            t_near: 0,
+        }
+    }
+}
+
+/// A setup.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SetUp {
     pub busy: bool,
     /// Cycles with digits to come.
     pub turns: u32,
     pub ray: SlotRay,
-    pub u: Division<F64Reading>,
-    pub v: Division<F64Reading>,
+    pub axes: [SetUpAxis; 2],
 }
 
 impl SetUp {
@@ -294,44 +336,37 @@ impl SetUp {
                 t_delta_u: 0,
                 t_delta_v: 0,
             },
-            u: entry.u,
-            v: entry.v,
+            axes: [SetUpAxis::of(&entry.u), SetUpAxis::of(&entry.v)],
             ..SetUp::default()
         }
     }
 
-    pub fn observe(&self, only_waits: bool, words: &mut Vec<u64>) {
+    pub fn observe(&self, shape: &ExactMachineShape, number: u32, words: &mut Vec<u64>) {
         words.push(self.busy.into());
-        if !only_waits {
+        if !shape.only_waits(number) {
             words.push(self.turns.into());
         }
         self.ray.observe_leaf(words);
         let ray = &self.ray;
         words.extend([ray.start_line, ray.i, ray.j].map(|word| word as u64));
-        for division in [&self.u, &self.v] {
-            if !only_waits {
-                words.extend([
-                    division.delta_remainder as u64,
-                    division.first_remainder as u64,
-                    division.delta_saturates.into(),
-                    division.first_saturates.into(),
-                    division.texels_back as u64,
-                ]);
+        for axis in &self.axes {
+            if shape.only_waits(number) {
+                words.extend([axis.t_delta as u64, axis.t_near as u64]);
+                continue;
             }
-            words.extend([division.t_delta as u64, division.t_near as u64]);
+            let (division, product) = (&axis.division, &axis.product);
+            words.push(axis.saturates.into());
+            if number == shape.effort.setups {
+                words.push(axis.digits_before as u64);
+                words.extend([product.behind as u64, product.sum as u64]);
+                continue;
+            }
+            words.extend([product.behind as u64, division.remainder as u64]);
+            words.extend([division.first_saturates.into(), division.quotient as u64]);
+            if number > 0 {
+                words.push(axis.digits_before as u64);
+            }
         }
-    }
-}
-
-pub(super) fn no_division() -> Division<F64Reading> {
-    Division {
-        delta_remainder: 0,
-        first_remainder: 0,
-        delta_saturates: false,
-        first_saturates: false,
-        texels_back: 0,
-        t_delta: 0,
-        t_near: 0,
     }
 }
 
@@ -363,18 +398,6 @@ impl Default for Checking {
             at_border_v: false,
             way: 0,
             slope: 0,
-        }
-    }
-}
-
-impl Default for SetUp {
-    fn default() -> Self {
-        SetUp {
-            busy: false,
-            turns: 0,
-            ray: SlotRay::default(),
-            u: no_division(),
-            v: no_division(),
         }
     }
 }

@@ -33,7 +33,9 @@ pub use axi_memory::{AxiMemory, AxiMemoryOutputs, AxiMemoryShape};
 pub use declaration::{ClockedUnit, Declared, DeclaredKind, bits_for};
 pub use exact::{ExactCounts, ExactHit, ExactInputs, ExactMachine, ExactOutputs};
 pub use exact_run::ExactRun;
-pub use exact_shape::{EXACT_COUNTER_BITS, ExactEffort, ExactMachineShape, KEPT_NAMES, READ_STAGE};
+pub use exact_shape::{
+    EXACT_COUNTER_BITS, ExactEffort, ExactMachineShape, KEPT_NAMES, KNOWN_STAGE, READ_STAGE,
+};
 pub use exact_trip::{ExactTrip, curve_address, exact_trip};
 pub use fifo::{Fifo, FifoField, FifoOutputs, FifoShape};
 pub use height_cache::{

@@ -5,7 +5,8 @@
 //! |---|---|---|
 //! | [`SetupEntry`] | 1 | mirrors a ray, and puts it into its first block |
 //! | [`SetupDigits`] | [`BoundedShape::setup_digits`] / digits | divides |
-//! | [`SetupEnd`] | 1 | makes upper bounds |
+//! | [`SetupNear`] | bits of the way in a block / digits | multiplies |
+//! | [`SetupEnd`] | 1 | takes care of slopes that saturate |
 //! | [`Step`] | once a line | the loop |
 //! | [`LeafEntry`] | 1 | the ways from a texel's borders to the ray |
 //! | [`LeafTravel`] | height bits / digits | the ray at the texel's depth |
@@ -17,7 +18,8 @@ use super::bounded_leaf::{
     leaf_ways, travel_digit,
 };
 use super::bounded_setup::{
-    BoundedEntry, BoundedRay, Division, setup_digit, setup_end, setup_entry,
+    BoundedEntry, BoundedRay, Division, NearProduct, near_digit, near_sum_bits, setup_digit,
+    setup_end, setup_entry,
 };
 use super::bounded_shape::{BoundedShape, LINE_BITS, PLACE_BITS};
 use super::bounded_step::{BoundedWalk, MASK_NAMES, bounded_address, bounded_step};
@@ -32,10 +34,12 @@ use RegisterKind::{Bit, Integer};
 pub enum BoundedDatapath {
     /// A ray before its division.
     SetupEntry,
-    /// So many digits of the division on one axis.
+    /// So many digits of the quotient of one axis.
     SetupDigits(u32),
-    /// A ray after its division, on one axis.
-    SetupEnd,
+    /// So many digits of the way to its near border, and how many there are.
+    SetupNear(u32, u32),
+    /// An axis after its last digit; of the way there were so many.
+    SetupEnd(u32),
     /// A step, with the address it asks for as its first output; bounds of blocks come from a memory
     /// and go there.
     Step,
@@ -61,7 +65,8 @@ impl BoundedDatapath {
         let name = match self {
             SetupEntry => "setup_entry",
             SetupDigits(_) => "setup_digits",
-            SetupEnd => "setup_end",
+            SetupNear(..) => "setup_near",
+            SetupEnd(_) => "setup_end",
             Step => "step",
             LeafEntry => "leaf_entry",
             LeafTravel(_) => "leaf_travel",
@@ -85,7 +90,19 @@ impl BoundedDatapath {
                 inputs.extend(division_registers(shape));
                 inputs
             }
-            SetupEnd => vec![("t_near", Integer(shape.bound_bits()))],
+            SetupNear(_, digits) => {
+                let mut inputs = vec![("quotient", Integer(shape.delta_bits() + 1))];
+                inputs.extend(product_registers(shape, digits));
+                inputs
+            }
+            SetupEnd(digits) => {
+                let mut inputs = vec![
+                    ("saturates", Bit),
+                    ("quotient", Integer(shape.delta_bits() + 1)),
+                ];
+                inputs.extend(product_registers(shape, digits));
+                inputs
+            }
             Step => {
                 let mut inputs = vec![
                     ("t_delta_u", Integer(shape.delta_bits() + 1)),
@@ -171,22 +188,26 @@ impl BoundedDatapath {
                 for _ in 0..count {
                     division = setup_digit(a, shape, slope, &division);
                 }
-                division_outputs(
-                    &division,
-                    [
-                        "delta_remainder",
-                        "first_remainder",
-                        "delta_saturates",
-                        "first_saturates",
-                        "texels_back",
-                        "t_delta",
-                        "t_near",
-                    ],
-                )
+                vec![
+                    ("remainder", Signal::Integer(division.remainder)),
+                    ("first_saturates", Signal::Bit(division.first_saturates)),
+                    ("quotient", Signal::Integer(division.quotient)),
+                ]
             }
-            SetupEnd => {
-                let upper = setup_end(a, shape, row.integer());
-                integers(&[("t_near", upper)])
+            SetupNear(count, digits) => {
+                let quotient = row.integer();
+                let mut product = product_of(&mut row);
+                for _ in 0..count {
+                    product = near_digit(a, shape, digits, quotient, &product);
+                }
+                integers(&[("behind", product.behind), ("sum", product.sum)])
+            }
+            SetupEnd(digits) => {
+                let saturates = row.next().bit();
+                let quotient = row.integer();
+                let product = product_of(&mut row);
+                let end = setup_end(a, shape, digits, saturates, quotient, &product);
+                integers(&[("t_delta", end.0), ("t_near", end.1)])
             }
             Step => step_outputs(a, shape, &mut row, heights),
             LeafEntry => {
@@ -392,42 +413,34 @@ fn slopes<A: Arith>(a: &mut A, row: &mut Row<'_, A>) -> FixedRayRegisters<A> {
     ray
 }
 
-fn division_registers(shape: BoundedShape) -> [Register; 7] {
-    let rest = Integer(shape.words.slope_bits + 1);
+fn division_registers(shape: BoundedShape) -> [Register; 3] {
     [
-        ("delta_remainder", rest),
-        ("first_remainder", rest),
-        ("delta_saturates", Bit),
+        ("remainder", Integer(shape.words.slope_bits + 1)),
         ("first_saturates", Bit),
-        ("texels_back", Integer(shape.largest_block_level() + 2)),
-        ("t_delta", Integer(shape.delta_bits() + 1)),
-        ("t_near", Integer(shape.bound_bits())),
+        ("quotient", Integer(shape.delta_bits() + 1)),
     ]
 }
 
 fn division_of<A: Arith>(row: &mut Row<'_, A>) -> Division<A> {
     Division {
-        delta_remainder: row.integer(),
-        first_remainder: row.integer(),
-        delta_saturates: row.next().bit(),
+        remainder: row.integer(),
         first_saturates: row.next().bit(),
-        texels_back: row.integer(),
-        t_delta: row.integer(),
-        t_near: row.integer(),
+        quotient: row.integer(),
     }
 }
 
-fn division_outputs<A: Arith>(division: &Division<A>, names: [&'static str; 7]) -> Vec<Named<A>> {
-    let signals = [
-        Signal::Integer(division.delta_remainder),
-        Signal::Integer(division.first_remainder),
-        Signal::Bit(division.delta_saturates),
-        Signal::Bit(division.first_saturates),
-        Signal::Integer(division.texels_back),
-        Signal::Integer(division.t_delta),
-        Signal::Integer(division.t_near),
-    ];
-    names.into_iter().zip(signals).collect()
+fn product_registers(shape: BoundedShape, digits: u32) -> [Register; 2] {
+    [
+        ("behind", Integer(digits + 1)),
+        ("sum", Integer(near_sum_bits(shape, digits))),
+    ]
+}
+
+fn product_of<A: Arith>(row: &mut Row<'_, A>) -> NearProduct<A> {
+    NearProduct {
+        behind: row.integer(),
+        sum: row.integer(),
+    }
 }
 
 /// What a ray is before its division: what does not begin with the same constant for every ray.
@@ -443,13 +456,19 @@ fn entry_outputs<A: Arith>(entry: &BoundedEntry<A>) -> Vec<Named<A>> {
         ("start_line", Signal::Integer(entry.start_line)),
         ("i", Signal::Integer(entry.i)),
         ("j", Signal::Integer(entry.j)),
-        ("first_way_u", Signal::Integer(entry.u.first_remainder)),
-        ("first_way_v", Signal::Integer(entry.v.first_remainder)),
-        ("delta_saturates_u", Signal::Bit(entry.u.delta_saturates)),
-        ("first_saturates_u", Signal::Bit(entry.u.first_saturates)),
-        ("delta_saturates_v", Signal::Bit(entry.v.delta_saturates)),
-        ("first_saturates_v", Signal::Bit(entry.v.first_saturates)),
-        ("texels_back_u", Signal::Integer(entry.u.texels_back)),
-        ("texels_back_v", Signal::Integer(entry.v.texels_back)),
+        ("remainder_u", Signal::Integer(entry.u.division.remainder)),
+        ("remainder_v", Signal::Integer(entry.v.division.remainder)),
+        (
+            "first_saturates_u",
+            Signal::Bit(entry.u.division.first_saturates),
+        ),
+        (
+            "first_saturates_v",
+            Signal::Bit(entry.v.division.first_saturates),
+        ),
+        ("saturates_u", Signal::Bit(entry.u.saturates)),
+        ("saturates_v", Signal::Bit(entry.v.saturates)),
+        ("behind_u", Signal::Integer(entry.u.behind)),
+        ("behind_v", Signal::Integer(entry.v.behind)),
     ]
 }

@@ -1,18 +1,19 @@
 //! What is done to a ray once before it is walked by bounds: mirrored, and divided, digit by digit.
 //!
-//! On each axis two quotients by the slope are wanted: the depth from one border of texels to the
-//! next, and that of the first border ahead. Both are made one binary digit a turn, the highest
-//! first, by the restoring recurrence
+//! On each axis the depth from one border of texels to the next is wanted, a quotient by the slope. It is made
+//! one binary digit a turn, the highest first, by the restoring recurrence
 //!
 //! `shifted = 2 * remainder; digit = shifted >= slope; remainder = shifted - digit * slope`,
 //!
-//! that starts with a texel, and with the way to the border. The bound of the near border of the block that the walk
-//! starts in lies some texels back: it comes along, `near = 2 * near + first's digit - texels * delta's digit`, so
-//! that it is exactly the one quotient less so many of the other, with no product. Hardware has
-//! [`setup_digit`] as often as it makes digits a cycle.
+//! that starts with a texel. The near border of the block that the walk starts in lies `behind` texels
+//! back, which is a product by that quotient: `sum = (sum + digit * t_delta) / 2`, the lowest digit of the way first.
+//!
+//! Where the slope is a texel or less, the quotient would be the whole height of the map: it saturates. Then
+//! the ray crosses one border at most, and the way to that is divided instead. Hardware has
+//! [`setup_digit`] and [`near_digit`] as often as it makes digits a cycle.
 
 use super::bounded_shape::{BoundedShape, LINE_BITS, MOST_BOUNDED_LINES};
-use super::fixed_setup::{FixedRayRegisters, fixed_mirror, shift_right_by};
+use super::fixed_setup::{FixedRayRegisters, fixed_mirror, shift_left_by, shift_right_by};
 use crate::arith::Arith;
 
 /// The registers a ray carries unchanged from step to step.
@@ -37,23 +38,16 @@ impl<A: Arith> Clone for BoundedRay<A> {
 
 impl<A: Arith> Copy for BoundedRay<A> {}
 
-/// An axis between two digits.
+/// An axis between two digits of its quotient.
 #[derive(Debug)]
 pub struct Division<A: Arith> {
-    /// What is left of a texel, in units of the slope's last place.
-    pub delta_remainder: A::Int,
-    /// What is left of the way to the first border.
-    pub first_remainder: A::Int,
-    /// The quotient of a texel by the slope saturates.
-    pub delta_saturates: A::Bit,
-    /// That of the way does.
+    /// What is left of a texel, in units of the slope's last place; where a texel saturates, of the way to
+    /// the first border.
+    pub remainder: A::Int,
+    /// That saturates too.
     pub first_saturates: A::Bit,
-    /// Texels from the near border of the block to the first border ahead: 1 to its side.
-    pub texels_back: A::Int,
-    /// The digits of the depth between two borders.
-    pub t_delta: A::Int,
-    /// The bound of the near border, as far as the digits go.
-    pub t_near: A::Int,
+    /// The digits of the depth.
+    pub quotient: A::Int,
 }
 
 impl<A: Arith> Clone for Division<A> {
@@ -63,6 +57,35 @@ impl<A: Arith> Clone for Division<A> {
 }
 
 impl<A: Arith> Copy for Division<A> {}
+
+/// The bound of a block's near border between two digits of the way to it.
+#[derive(Debug)]
+pub struct NearProduct<A: Arith> {
+    /// The digits of the way from the near border to the entry, the lowest the next; those that are done
+    /// come back above, so that after the last it is as before.
+    pub behind: A::Int,
+    /// The product so far, less the margin that makes the bound late.
+    pub sum: A::Int,
+}
+
+impl<A: Arith> Clone for NearProduct<A> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<A: Arith> Copy for NearProduct<A> {}
+
+/// What an axis brings into its setup.
+#[derive(Debug)]
+pub struct AxisEntry<A: Arith> {
+    /// The division before its first digit.
+    pub division: Division<A>,
+    /// The slope is a texel or less.
+    pub saturates: A::Bit,
+    /// From the near border of the first block to the entry, in units of an entry.
+    pub behind: A::Int,
+}
 
 /// A ray before its division.
 #[derive(Debug)]
@@ -75,10 +98,10 @@ pub struct BoundedEntry<A: Arith> {
     pub i: A::Int,
     /// On the other axis.
     pub j: A::Int,
-    /// The division on u before its first digit.
-    pub u: Division<A>,
-    /// The same on v.
-    pub v: Division<A>,
+    /// The axis u.
+    pub u: AxisEntry<A>,
+    /// The axis v.
+    pub v: AxisEntry<A>,
 }
 
 /// A ray set up.
@@ -96,7 +119,7 @@ pub struct BoundedSetUpRay<A: Arith> {
     pub t_near_v: A::Int,
 }
 
-/// The first half of a setup: all that is done before the digits.
+/// The first part of a setup: all that is done before the digits.
 pub fn setup_entry<A: Arith>(
     a: &mut A,
     shape: BoundedShape,
@@ -117,46 +140,119 @@ pub fn setup_entry<A: Arith>(
     }
 }
 
-/// One digit of an axis.
+/// One digit of an axis's quotient.
 pub fn setup_digit<A: Arith>(
     a: &mut A,
     shape: BoundedShape,
     slope: A::Int,
     division: &Division<A>,
 ) -> Division<A> {
-    let delta = (division.delta_remainder, division.delta_saturates);
-    let (delta_digit, delta_remainder) = digit(a, shape, slope, delta);
-    let first = (division.first_remainder, division.first_saturates);
-    let (first_digit, first_remainder) = digit(a, shape, slope, first);
     let one = a.int_constant(1);
     let zero = a.int_constant(0);
-    let first_digit = a.int_from_bit(first_digit);
-    let doubled = a.int_shift_left(division.t_near, one, 1);
-    // The last bit of what is doubled is free.
-    let near = a.int_or(doubled, first_digit);
-    let back = a.int_select(delta_digit, division.texels_back, zero);
-    let near = a.int_sub(near, back);
-    let t_near = a.int_wrap(near, shape.bound_bits());
-    let delta_digit = a.int_from_bit(delta_digit);
-    let doubled = a.int_shift_left(division.t_delta, one, 1);
-    let t_delta = a.int_or(doubled, delta_digit);
-    // As many digits as it has bits.
-    let t_delta = a.int_low_bits(t_delta, shape.delta_bits());
+    let shifted = a.int_shift_left(division.remainder, one, 1);
+    let difference = a.int_sub(shifted, slope);
+    let is_below = a.int_less_than(difference, zero);
+    let reaches = a.not(is_below);
+    let digit = a.or(reaches, division.first_saturates);
+    let rest = a.int_select(reaches, difference, shifted);
+    let digit = a.int_from_bit(digit);
+    let doubled = a.int_shift_left(division.quotient, one, 1);
+    let quotient = a.int_or(doubled, digit);
     Division {
-        delta_remainder,
-        first_remainder,
-        t_delta,
-        t_near,
-        ..*division
+        // Below the slope, but where it saturates: then nothing reads it.
+        remainder: a.int_low_bits(rest, shape.words.slope_bits),
+        first_saturates: division.first_saturates,
+        // As many digits as it has bits.
+        quotient: a.int_low_bits(quotient, shape.delta_bits()),
     }
 }
 
-/// After the last digit: the upper bound of a near border, from the lower one.
-pub fn setup_end<A: Arith>(a: &mut A, shape: BoundedShape, t_near: A::Int) -> A::Int {
-    let margin = shape.fraction_bits() - shape.order_fraction_bits();
-    let margin = a.int_constant(1 << margin);
-    let upper = a.int_add(t_near, margin);
-    a.int_wrap(upper, shape.bound_bits())
+/// The product before its first digit, to be made in so many: of those that are more than the way has bits, the
+/// lowest are zero.
+pub fn near_start<A: Arith>(
+    a: &mut A,
+    shape: BoundedShape,
+    digits: u32,
+    behind: A::Int,
+) -> NearProduct<A> {
+    let more = digits - shape.behind_bits();
+    NearProduct {
+        behind: shift_left_by(a, behind, shape.behind_bits() + 1, more),
+        sum: a.int_constant(near_sum_start(shape, digits)),
+    }
+}
+
+/// What the sum starts with: the margin, less than nothing, where it does not fall off below.
+pub const fn near_sum_start(shape: BoundedShape, digits: u32) -> i64 {
+    -((shape.near_margin() as i64) << digits)
+}
+
+/// Bits of the sum, signed: the margin at first, then the quotient times twice the texels of a block.
+pub const fn near_sum_bits(shape: BoundedShape, digits: u32) -> u32 {
+    let margin = shape.fraction_bits() - shape.order_fraction_bits() + digits;
+    let product = shape.largest_block_level() + shape.delta_bits() + 1;
+    1 + if margin > product { margin } else { product }
+}
+
+/// One digit of the way to a near border, of so many.
+pub fn near_digit<A: Arith>(
+    a: &mut A,
+    shape: BoundedShape,
+    digits: u32,
+    quotient: A::Int,
+    product: &NearProduct<A>,
+) -> NearProduct<A> {
+    let one = a.int_constant(1);
+    let zero = a.int_constant(0);
+    let level = shape.largest_block_level();
+    let digit = a.int_low_bits(product.behind, 1);
+    let is_zero = a.int_equal(digit, zero);
+    let addend = a.int_select(is_zero, zero, quotient);
+    // Nothing is added to the lowest bits, which belong to the texels of a block.
+    let low = a.int_low_bits(product.sum, level);
+    let high = shift_right_by(a, product.sum, level);
+    let high = a.int_add(high, addend);
+    let sum_bits = near_sum_bits(shape, digits);
+    let high = a.int_wrap(high, sum_bits + 1 - level);
+    let high = shift_left_by(a, high, sum_bits + 1 - level, level);
+    let sum = a.int_or(high, low);
+    let sum = shift_right_by(a, sum, 1);
+    let back = shift_left_by(a, digit, 2, digits - 1);
+    let behind = a.int_shift_right(product.behind, one, 1);
+    let behind = a.int_or(behind, back);
+    NearProduct {
+        behind: a.int_low_bits(behind, digits),
+        sum: a.int_wrap(sum, sum_bits),
+    }
+}
+
+/// After the last digit: the depth between two borders, and the upper bound of the near one.
+///
+/// Where it saturates, of the bounds only the one of the first border is near the ray. It is taken a
+/// unit of the order fraction up, less the last place: by all that bounds are compared in, no later.
+pub fn setup_end<A: Arith>(
+    a: &mut A,
+    shape: BoundedShape,
+    digits: u32,
+    saturates: A::Bit,
+    quotient: A::Int,
+    product: &NearProduct<A>,
+) -> (A::Int, A::Int) {
+    let delta_bits = shape.delta_bits();
+    let most = a.int_constant((1 << delta_bits) - 1);
+    let t_delta = a.int_select(saturates, most, quotient);
+    let yes = a.bit_constant(true);
+    let texel = digits - shape.largest_block_level();
+    let texels = shift_right_by(a, product.behind, texel);
+    let texels_back = a.int_complement_if(yes, texels);
+    let back = shift_left_by(a, texels_back, shape.largest_block_level() + 1, delta_bits);
+    let below = shape.fraction_bits() - shape.order_fraction_bits();
+    let unit = a.int_constant((1 << below) - 1);
+    let first = a.int_or(quotient, unit);
+    let of_first = a.int_or(back, first);
+    let negative = a.int_complement_if(yes, product.sum);
+    let near = a.int_select(saturates, of_first, negative);
+    (t_delta, a.int_wrap(near, shape.bound_bits()))
 }
 
 /// The whole setup of a quantised ray: see [`super::fixed_setup::fixed_setup`].
@@ -166,22 +262,30 @@ pub fn bounded_setup<A: Arith>(
     ray: [A::Int; 4],
 ) -> BoundedSetUpRay<A> {
     let entry = setup_entry(a, shape, ray);
-    let (mut u, mut v) = (entry.u, entry.v);
-    for _ in 0..shape.setup_digits() {
-        u = setup_digit(a, shape, entry.fixed.slope_u, &u);
-        v = setup_digit(a, shape, entry.fixed.slope_v, &v);
-    }
-    a.name_int("t_delta_u", u.t_delta);
-    a.name_int("t_delta_v", v.t_delta);
-    let t_near_u = setup_end(a, shape, u.t_near);
+    let slopes = (entry.fixed.slope_u, entry.fixed.slope_v);
+    let digits = shape.behind_bits();
+    let [u, v] = [(&entry.u, slopes.0), (&entry.v, slopes.1)].map(|(axis, slope)| {
+        let mut division = axis.division;
+        for _ in 0..shape.setup_digits() {
+            division = setup_digit(a, shape, slope, &division);
+        }
+        let mut product = near_start(a, shape, digits, axis.behind);
+        for _ in 0..digits {
+            product = near_digit(a, shape, digits, division.quotient, &product);
+        }
+        let quotient = division.quotient;
+        setup_end(a, shape, digits, axis.saturates, quotient, &product)
+    });
+    let ((t_delta_u, t_near_u), (t_delta_v, t_near_v)) = (u, v);
+    a.name_int("t_delta_u", t_delta_u);
+    a.name_int("t_delta_v", t_delta_v);
     a.name_int("start_t_near_u", t_near_u);
-    let t_near_v = setup_end(a, shape, v.t_near);
     a.name_int("start_t_near_v", t_near_v);
     BoundedSetUpRay {
         ray: BoundedRay {
             fixed: entry.fixed,
-            t_delta_u: u.t_delta,
-            t_delta_v: v.t_delta,
+            t_delta_u,
+            t_delta_v,
             start_line: entry.start_line,
         },
         i: entry.i,
@@ -191,30 +295,11 @@ pub fn bounded_setup<A: Arith>(
     }
 }
 
-/// A digit and what it leaves.
-fn digit<A: Arith>(
-    a: &mut A,
-    shape: BoundedShape,
-    slope: A::Int,
-    (remainder, saturates): (A::Int, A::Bit),
-) -> (A::Bit, A::Int) {
-    let one = a.int_constant(1);
-    let zero = a.int_constant(0);
-    let shifted = a.int_shift_left(remainder, one, 1);
-    let difference = a.int_sub(shifted, slope);
-    let is_below = a.int_less_than(difference, zero);
-    let reaches = a.not(is_below);
-    let digit = a.or(reaches, saturates);
-    let rest = a.int_select(reaches, difference, shifted);
-    // Below the slope, but where it saturates: then nothing reads it.
-    (digit, a.int_low_bits(rest, shape.words.slope_bits))
-}
-
 struct DivisionNames {
     entry_texel: &'static str,
     block: &'static str,
     way: &'static str,
-    texels_back: &'static str,
+    behind: &'static str,
     saturates: [&'static str; 2],
 }
 
@@ -222,14 +307,14 @@ const DIVISION_U: DivisionNames = DivisionNames {
     entry_texel: "entry_i",
     block: "start_i",
     way: "first_way_u",
-    texels_back: "texels_back_u",
+    behind: "behind_u",
     saturates: ["t_delta_u_saturates", "t_first_u_saturates"],
 };
 const DIVISION_V: DivisionNames = DivisionNames {
     entry_texel: "entry_j",
     block: "start_j",
     way: "first_way_v",
-    texels_back: "texels_back_v",
+    behind: "behind_v",
     saturates: ["t_delta_v_saturates", "t_first_v_saturates"],
 };
 
@@ -241,7 +326,7 @@ fn division<A: Arith>(
     start_line: A::Int,
     entry: A::Int,
     slope: A::Int,
-) -> (A::Int, Division<A>) {
+) -> (A::Int, AxisEntry<A>) {
     let words = shape.words;
     let texel = shift_right_by(a, entry, words.entry_fraction_bits);
     // The entry is within a map of the origin.
@@ -255,38 +340,42 @@ fn division<A: Arith>(
     let block = a.int_sub(texel, before_block);
     let block = a.int_wrap(block, shape.index_bits());
     a.name_int(names.block, block);
-    let one = a.int_constant(1);
-    let texels_back = a.int_add(before_block, one);
-    a.name_int(names.texels_back, texels_back);
+    let beyond = a.int_low_bits(entry, words.entry_fraction_bits);
+    let level = shape.largest_block_level();
+    let behind = shift_left_by(a, before_block, level + 1, words.entry_fraction_bits);
+    let behind = a.int_or(behind, beyond);
+    a.name_int(names.behind, behind);
 
     // A height step's slope in as many texels as the map is high is the slope in units of an entry.
     let texel = a.int_constant(1 << words.entry_fraction_bits);
-    let beyond = a.int_low_bits(entry, words.entry_fraction_bits);
     let way = a.int_sub(texel, beyond);
     a.name_int(names.way, way);
     // A texel or less: by the bits, there is nothing to subtract.
     let texels = shift_right_by(a, slope, words.entry_fraction_bits);
     let fraction = a.int_low_bits(slope, words.entry_fraction_bits);
     let none = a.int_constant(0);
+    let one = a.int_constant(1);
     let is_less = a.int_equal(texels, none);
     let is_one = a.int_equal(texels, one);
     let is_whole = a.int_equal(fraction, none);
     let is_a_texel = a.and(is_one, is_whole);
     let delta_saturates = a.or(is_less, is_a_texel);
     a.name_bit(names.saturates[0], delta_saturates);
-    let reaches = a.int_less_than(way, slope);
-    let first_saturates = a.not(reaches);
+    let is_beyond = a.int_less_than(way, slope);
+    let is_far = a.not(is_beyond);
+    let first_saturates = a.and(is_far, delta_saturates);
     a.name_bit(names.saturates[1], first_saturates);
     let division = Division {
-        delta_remainder: texel,
-        first_remainder: way,
-        delta_saturates,
+        remainder: a.int_select(delta_saturates, way, texel),
         first_saturates,
-        texels_back,
-        t_delta: none,
-        t_near: none,
+        quotient: none,
     };
-    (block, division)
+    let axis = AxisEntry {
+        division,
+        saturates: delta_saturates,
+        behind,
+    };
+    (block, axis)
 }
 
 /// The line that a walk starts with, by the ray's reach: see

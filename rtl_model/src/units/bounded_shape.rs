@@ -67,9 +67,23 @@ impl BoundedShape {
     }
 
     /// The most borders of texels that a bound is carried over: those that a ray crosses on an
-    /// axis, and those of the block it starts in.
+    /// axis, those of the block it starts in, and those of a block at its end.
     pub const fn most_borders(self) -> u32 {
         self.words.travel() + (2 << self.largest_block_level())
+    }
+
+    /// Bits of the way from a block's near border to a ray's entry in it, in units of an entry.
+    pub const fn behind_bits(self) -> u32 {
+        self.largest_block_level() + self.words.entry_fraction_bits
+    }
+
+    /// What makes the near border of a block later, in units of a bound's last place.
+    ///
+    /// The product of a way within the block by a depth rounded down errs late by less than the block has
+    /// texels; with the margin, by a unit of [`BoundedShape::order_fraction_bits`].
+    pub const fn near_margin(self) -> u32 {
+        (1 << (self.fraction_bits() - self.order_fraction_bits()))
+            - (1 << self.largest_block_level())
     }
 
     /// Fraction bits of a height step that two bounds are compared in.
@@ -89,10 +103,10 @@ impl BoundedShape {
 
     /// Fraction bits of a bound.
     ///
-    /// The first is off by less than a unit of the last place, and each border on adds less than
-    /// one: over all of them less than a unit of [`BoundedShape::order_fraction_bits`].
+    /// The first is late by less than a block's texels in units of the last place, and each border on
+    /// takes off less than one: together less than a unit of [`BoundedShape::order_fraction_bits`].
     pub const fn fraction_bits(self) -> u32 {
-        let borders = self.most_borders() + 2;
+        let borders = self.most_borders() + (1 << self.largest_block_level()) + 2;
         self.order_fraction_bits() + (u32::BITS - (borders - 1).leading_zeros())
     }
 

@@ -93,8 +93,8 @@ impl ExactMachine {
             ];
             words.extend(counters.map(|count| count & ((1 << EXACT_COUNTER_BITS) - 1)));
         }
-        for (number, set_up) in (0..).zip(&self.setups) {
-            set_up.observe(self.shape.only_waits(number), words);
+        for (set_up, number) in self.setups.iter().zip(0..) {
+            set_up.observe(&self.shape, number, words);
         }
         words.push(self.free_slots);
         words.extend([u64::from(outputs.recirculates), outputs.ends.into()]);
