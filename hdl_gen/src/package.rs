@@ -8,11 +8,13 @@
 use crate::emit::{EmitError, write_design};
 use crate::netlist::Module;
 use crate::operators::{AnyOperator, stream_unit};
-use crate::testbench::{TraverseBench, stream_testbench, traverse_testbench};
+use crate::testbench::{TraverseBench, machine_testbench, stream_testbench, traverse_testbench};
 use crate::units::{NoHardware, TraverseUnit, UnitConfiguration, build_step_unit};
 use crate::vectors::{
-    Files, KEPT_EVERY, VectorError, operator_vectors, ray_vectors, scene_rays, step_vectors,
+    Files, KEPT_EVERY, MachineSurroundings, VectorError, machine_vectors, operator_vectors,
+    ray_vectors, scene_rays, step_vectors,
 };
+use crate::verify::ClockedRun;
 use rtl_model::machine::StallPattern;
 use rtl_model::maps::Pyramid;
 use rtl_model::ray::Ray;
@@ -75,6 +77,28 @@ pub fn package_scene(scene: &Scene, folder: &Path) -> Result<Package, PackageErr
     files.add_text(&format!("{testbench}.v"), traverse_testbench(&unit, &bench));
     let hex = ["rays.hex", "hits.hex", "heights.hex"];
     write(unit.design, testbench, files, &hex, rays.len(), folder)
+}
+
+/// A whole machine with the rays of its scene, the memory behind it in the testbench. What is
+/// expected are the hits of the golden machine: hold them against the golden walk before.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn package_machine(
+    run: &ClockedRun<'_>,
+    surroundings: &MachineSurroundings,
+    scene: &Scene,
+    folder: &Path,
+) -> Result<Package, PackageError> {
+    let vectors = machine_vectors(run, &surroundings.memory_words);
+    let mut files = Files::default();
+    files.add_machine(run.unit, &vectors, scene);
+    let testbench = format!("testbench_{}", run.unit.name);
+    let text = machine_testbench(run, surroundings, &vectors);
+    files.add_text(&format!("{testbench}.v"), text);
+    let hex = ["rays.hex", "hits.hex", "memory.hex"];
+    let hits = vectors.hits.vectors.len();
+    write(run.unit.clone(), testbench, files, &hex, hits, folder)
 }
 
 /// An operator behind handshakes with `random` random operand sets beside the special ones.

@@ -4,10 +4,12 @@
 //! widths, ports) is put in here, where the text says `@NAME@`. They read the files that
 //! [`crate::vectors`] writes, and end with one line, `PASS` or `FAIL`, which [`Verdict`] reads.
 
+mod machine;
 mod stream;
 mod traverse;
 mod verdict;
 
+pub use machine::machine_testbench;
 pub use stream::stream_testbench;
 pub use traverse::{TraverseBench, traverse_testbench};
 pub use verdict::{FieldDifference, Verdict};

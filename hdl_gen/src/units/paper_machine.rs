@@ -225,6 +225,11 @@ fn probes(paper: &PaperLoop) -> Vec<Probe> {
     // What is no port of the unit stands in its loop.
     let is_port = |probe: &Probe| probe.name.ends_with("_o");
     let mut probes: Vec<Probe> = unit.into_iter().filter(is_port).collect();
+    for probe in &mut probes {
+        if ["hit_t_o", "hit_u_o", "hit_v_o"].contains(&probe.name.as_str()) {
+            probe.meaning = Meaning::Float(paper.format);
+        }
+    }
     probes.extend(loop_probes(
         paper,
         &[PAPER_MACHINE.to_owned(), PAPER_LOOP.to_owned()],

@@ -11,6 +11,7 @@
 mod error;
 mod field;
 mod fixed;
+mod machine;
 mod manifest;
 mod operators;
 mod rays;
@@ -20,6 +21,7 @@ mod write;
 
 pub use error::VectorError;
 pub use field::{Field, FieldFormat, Role};
+pub use machine::{MachineSurroundings, MachineVectors, machine_vectors};
 pub(crate) use manifest::sha256;
 pub use manifest::{Manifest, ManifestField, ManifestFile};
 pub use operators::operator_vectors;

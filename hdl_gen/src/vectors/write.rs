@@ -11,6 +11,7 @@ use rtl_model::units::step::Step;
 use rtl_model::units::traverse_step::{INDEX_BITS, LEVEL_BITS};
 
 use super::error::VectorError;
+use super::machine::MachineVectors;
 use super::manifest::{Manifest, ManifestFile};
 use super::operators::operator_vectors;
 use super::rays::{RayVectors, ray_vectors, scene_rays};
@@ -314,6 +315,41 @@ impl Files {
                 unit,
                 description,
                 golden,
+                scene: Some(scene),
+                seed: None,
+            };
+            self.add(stem, set, &entry);
+        }
+    }
+
+    /// The rays of a machine's scene, the hits of its golden machine, and its memory.
+    pub(crate) fn add_machine(
+        &mut self,
+        unit: &Arc<Module>,
+        vectors: &MachineVectors,
+        scene: &Scene,
+    ) {
+        for (stem, description, set) in [
+            (
+                "rays",
+                "rays; the id of a ray is its line, from 0",
+                &vectors.rays,
+            ),
+            (
+                "hits",
+                "line k is the hit of the ray with id k",
+                &vectors.hits,
+            ),
+            (
+                "memory",
+                "the memory behind the read port; line k is the word at byte address 8 k",
+                &vectors.memory,
+            ),
+        ] {
+            let entry = Entry {
+                unit,
+                description,
+                golden: "rtl_model::machine",
                 scene: Some(scene),
                 seed: None,
             };

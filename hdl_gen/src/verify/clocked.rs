@@ -63,6 +63,15 @@ impl ClockedRun<'_> {
     /// # Errors
     /// If the netlist cannot be simulated.
     pub fn embedded(&self) -> Result<Comparison, SimulateError> {
+        self.embedded_observed(|_, _| {})
+    }
+
+    /// The same; `each` sees the words driven and those of the signals compared, as the simulator
+    /// has them, in every cycle.
+    pub(super) fn embedded_observed(
+        &self,
+        mut each: impl FnMut(&[u64], &[u64]),
+    ) -> Result<Comparison, SimulateError> {
         let mut simulator = Simulator::new(self.unit)?;
         let inputs = self.driven.iter().map(|name| simulator.input(name));
         let inputs = inputs.collect::<Result<Vec<_>, _>>()?;
@@ -85,15 +94,19 @@ impl ClockedRun<'_> {
             ..Comparison::default()
         };
         let mut divergent_cycles = 0;
+        let mut shown = Vec::with_capacity(signals.len());
         let _ = (self.traffic)(&mut |driven, words| {
             history.push(words);
             for (&input, &value) in inputs.iter().zip(driven) {
                 simulator.set_input(input, value);
             }
             simulator.settle();
+            shown.clear();
+            shown.extend(signals.iter().map(|&signal| simulator.peek(signal)));
+            each(driven, &shown);
             let mut differs = 0;
-            for (probe, &signal) in self.probes.iter().zip(&signals) {
-                let (expected, found) = (history.expected(probe), simulator.peek(signal));
+            for (probe, &found) in self.probes.iter().zip(&shown) {
+                let expected = history.expected(probe);
                 if found != expected {
                     differs += 1;
                     if divergent_cycles == 0 {

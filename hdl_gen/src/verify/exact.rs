@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::clocked::{ClockedRun, EachCycle};
 use crate::netlist::Module;
 use crate::units::{ExactUnit, Probe};
+use crate::vectors::MachineSurroundings;
 use rtl_model::machine::{Declared, DeclaredKind, ExactMachineShape, ExactRun, KNOWN_STAGE};
 use rtl_model::readings::{E7F16, FloatReading, Traced};
 
@@ -31,6 +32,17 @@ impl ExactDesign {
             probes: unit.probes.clone(),
             shape: unit.shape.clone(),
             inputs: inputs.collect(),
+        }
+    }
+
+    /// What stands around the machine in a run.
+    pub fn surroundings(&self, run: &ExactRun<'_>) -> MachineSurroundings {
+        MachineSurroundings {
+            memory_words: run.shape.memory_words(run.lines),
+            memory: run.memory,
+            gaps: run.gaps,
+            stalls: run.stalls,
+            receiver_starts: run.receiver_starts,
         }
     }
 

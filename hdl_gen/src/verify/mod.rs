@@ -1,6 +1,7 @@
 //! Hardware held against the golden model, output by output and cycle by cycle.
 
 mod clocked;
+mod clocked_waveform;
 mod divergence;
 mod embedded;
 mod exact;
@@ -19,6 +20,7 @@ mod verilator;
 mod waveform;
 
 pub use clocked::{ClockedRun, ClockedTraffic, EachCycle, input_ports};
+pub use clocked_waveform::WrittenWaveform;
 pub use divergence::{Comparison, Divergence};
 pub use embedded::run_embedded;
 pub use exact::ExactDesign;

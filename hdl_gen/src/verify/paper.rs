@@ -9,8 +9,9 @@ use crate::netlist::Module;
 use crate::units::{
     PAPER_LOOP, PaperLayout, PaperLoop, PaperUnit, Probe, declared_word, loop_probes,
 };
-use rtl_model::machine::{DeclaredKind, PaperInputs, PaperOutputs, PaperRun};
-use rtl_model::readings::{FloatReading, HasFormat};
+use crate::vectors::MachineSurroundings;
+use rtl_model::machine::{DeclaredKind, PaperInputs, PaperMachine, PaperOutputs, PaperRun};
+use rtl_model::readings::{E7F16, FloatReading, HasFormat};
 
 /// Where a driven word comes from.
 #[derive(Clone, Copy, Debug)]
@@ -82,6 +83,19 @@ impl PaperDesign {
             probes: unit.probes.clone(),
             driven: driven.collect(),
             result: ("hit_valid_o", "hit_ready_i"),
+        }
+    }
+
+    /// What stands around the machine in a run.
+    pub fn surroundings(&self, run: &PaperRun<'_>) -> MachineSurroundings {
+        let memory_words =
+            PaperMachine::<FloatReading<E7F16>>::memory_words(&run.shape, run.pyramid);
+        MachineSurroundings {
+            memory_words,
+            memory: run.memory,
+            gaps: run.gaps,
+            stalls: run.stalls,
+            receiver_starts: 0,
         }
     }
 

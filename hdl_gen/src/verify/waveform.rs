@@ -13,7 +13,7 @@ use std::io::{BufRead, Write};
 use std::ops::{ControlFlow, RangeInclusive};
 
 /// A clock period, in nanoseconds.
-const PERIOD_NS: u64 = 10;
+pub(super) const PERIOD_NS: u64 = 10;
 
 /// The unit's input ports but clock and reset: those that are driven, and the memory's answer.
 fn input_ports(unit: &TraverseUnit) -> impl Iterator<Item = String> {
@@ -224,9 +224,21 @@ pub fn conform_window<W: Write>(
     output: W,
 ) -> Result<(W, u64), WaveError> {
     let signals = waveform_signals(unit);
-    let mut samples = Samples::open(raw, &signals, simulator)?;
     let options = waveform_options(unit, *window.start());
-    let mut writer = Writer::new(output, &signals, &options)?;
+    conform_signals(&signals, &options, raw, simulator, window, output)
+}
+
+/// The same of any design's signals, to be written with these options.
+pub(super) fn conform_signals<W: Write>(
+    signals: &[SignalDeclaration],
+    options: &WriterOptions,
+    raw: impl BufRead,
+    simulator: &ConformOptions,
+    window: RangeInclusive<u64>,
+    output: W,
+) -> Result<(W, u64), WaveError> {
+    let mut samples = Samples::open(raw, signals, simulator)?;
+    let mut writer = Writer::new(output, signals, options)?;
     let mut written = 0;
     while let Some(cycle) = samples.next_cycle()? {
         if cycle > *window.end() {

@@ -174,7 +174,7 @@ impl<'a, G: BufRead, O: BufRead> Comparison<'a, G, O> {
             self.agreements[pair] = agreement(
                 self.golden.value(pair),
                 self.other.value(pair),
-                self.options.excuse_golden_unknown,
+                self.options,
             );
         }
         self.golden.sampler.clear_changed();
@@ -344,19 +344,17 @@ impl<'a, G: BufRead, O: BufRead> Comparison<'a, G, O> {
 }
 
 /// Compares two values of one width, four-valued.
-fn agreement(golden: &[LogicWord], other: &[LogicWord], excuse_golden_unknown: bool) -> Agreement {
+fn agreement(golden: &[LogicWord], other: &[LogicWord], options: &DiffOptions) -> Agreement {
     let mut all_known = true;
+    let excuse = |unknown: u64, is_excused: bool| if is_excused { unknown } else { 0 };
     for (golden, other) in golden.iter().zip(other) {
-        let excused = if excuse_golden_unknown {
-            golden.unknown
-        } else {
-            0
-        };
+        let excused = excuse(golden.unknown, options.excuse_golden_unknown)
+            | excuse(other.unknown, options.excuse_other_unknown);
         let difference = (golden.value ^ other.value) | (golden.unknown ^ other.unknown);
         if difference & !excused != 0 {
             return Agreement::Differs;
         }
-        all_known &= golden.unknown == 0;
+        all_known &= golden.unknown | other.unknown == 0;
     }
     if all_known {
         Agreement::Equal

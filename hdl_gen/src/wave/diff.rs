@@ -50,6 +50,9 @@ pub struct DiffOptions {
     /// nothing the model can name until it is first written, and a two-valued simulator shows
     /// some value there.
     pub excuse_golden_unknown: bool,
+    /// Takes x in the second waveform for "need not be compared": the same register, in a
+    /// simulator that knows x.
+    pub excuse_other_unknown: bool,
 }
 
 impl Default for DiffOptions {
@@ -61,6 +64,7 @@ impl Default for DiffOptions {
             meanings: Vec::new(),
             signals_shown: 20,
             excuse_golden_unknown: false,
+            excuse_other_unknown: false,
         }
     }
 }

@@ -124,6 +124,26 @@ pub enum WaveError {
         /// Some signals that are there.
         has: Names,
     },
+    /// A signal that is asked for by a name that means none, or several.
+    #[error("{name}: signal `{signal}`: {reason}")]
+    NoSignal {
+        /// The file.
+        name: String,
+        /// The name.
+        signal: String,
+        /// What is the matter, and the way out.
+        reason: String,
+    },
+    /// None of the cycles asked for.
+    #[error("{name}: no cycle from {first} to {last} is in it")]
+    NoWindow {
+        /// The file.
+        name: String,
+        /// The first.
+        first: u64,
+        /// The last.
+        last: u64,
+    },
     /// Two rising edges too near to each other to be two cycles.
     #[error(
         "{name}: the clock rises at {time_ns} ns, less than half a period after the edge before; \

@@ -16,6 +16,7 @@ mod cycles;
 mod decode;
 mod diff;
 mod error;
+mod excerpt;
 mod logic;
 mod pairing;
 mod reader;
@@ -30,6 +31,7 @@ pub use cycles::CycleNumbers;
 pub use decode::{decoded, steps_between, two_s_complement};
 pub use diff::{DiffOptions, SideOptions, Waveform, diff, diff_files};
 pub use error::{Names, SideNames, WaveError};
+pub use excerpt::{Excerpt, ExcerptSignal, excerpt};
 pub use logic::LogicWord;
 pub use report::{
     DiffReport, DivergingSignal, FirstDivergence, SideReport, ValueReport, WidthMismatch,

@@ -26,6 +26,18 @@ pub struct AxiMemoryShape {
     pub stalls: Option<u16>,
 }
 
+impl AxiMemoryShape {
+    /// When it stalls, from the first cycle on: addresses, and beats.
+    pub fn stall_patterns(&self) -> [StallPattern; 2] {
+        let pattern = |seed: Option<u16>| match seed {
+            Some(seed) => StallPattern::one_in_eight(seed),
+            None => StallPattern::never(),
+        };
+        let beats = self.stalls.map(|seed| seed.rotate_left(8) ^ 0x5a5a);
+        [pattern(self.stalls), pattern(beats)]
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Burst {
     /// Of the next beat, in beats.
@@ -81,17 +93,14 @@ impl<'a> AxiMemory<'a> {
             shape.latency >= 1 && shape.outstanding >= 1,
             "a memory that answers at once, or nothing"
         );
-        let pattern = |seed: Option<u16>| match seed {
-            Some(seed) => StallPattern::one_in_eight(seed),
-            None => StallPattern::never(),
-        };
+        let [address_stalls, beat_stalls] = shape.stall_patterns();
         let mut memory = AxiMemory {
             bursts: VecDeque::with_capacity(shape.outstanding as usize),
             words: words.into(),
             cycle: 0,
             bus_free_at: 0,
-            address_stalls: pattern(shape.stalls),
-            beat_stalls: pattern(shape.stalls.map(|seed| seed.rotate_left(8) ^ 0x5a5a)),
+            address_stalls,
+            beat_stalls,
             address_ready: true,
             beat_ready: true,
             beats: 0,

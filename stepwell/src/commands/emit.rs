@@ -1,5 +1,7 @@
 //! `stepwell emit`: Verilog, vectors and testbench for anybody's simulator.
 
+mod machine;
+
 use std::path::PathBuf;
 
 use clap::Args;
@@ -23,7 +25,7 @@ use crate::terminal;
 ///
 /// The folder gets rtl/ (plain Verilog-2005, one module a file), testbench/ (vectors as $readmemh
 /// files, their manifest.json, the testbench) and a FuseSoC core file. Nothing of it needs Rust or
-/// this program.
+/// this program. Of a scene with a machine, the testbench has the memory behind its AXI4 port.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Example: stepwell emit scenes/small.toml -o out/emitted && \
@@ -52,9 +54,13 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 1000, requires = "unit")]
     vectors: u64,
 
-    /// Seed of random operands
+    /// Seed of random operands, and of the pattern of stalls
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+
+    /// Of a scene with a machine: let senders, receivers and the memory stall at random
+    #[arg(long, conflicts_with = "unit")]
+    stalls: bool,
 
     /// Folder for all of it, made if missing
     #[arg(short, long, value_name = "DIR")]
@@ -87,7 +93,14 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
         package = Some(match (&arguments.scene, arguments.unit.as_deref()) {
             (Some(scene), _) => {
                 arguments.operator.none_for("a scene")?;
-                package_scene(&arguments.replacements.load(scene)?, folder)?
+                let scene = arguments.replacements.load(scene)?;
+                match &scene.machine {
+                    Some(machine) => {
+                        let stalls = arguments.stalls.then_some(arguments.seed as u16);
+                        machine::package(&scene, machine, stalls, folder)?
+                    }
+                    None => package_scene(&scene, folder)?,
+                }
             }
             (None, Some(unit @ "traverse_step")) => {
                 arguments.operator.none_for(unit)?;

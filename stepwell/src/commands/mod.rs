@@ -11,6 +11,7 @@ mod render;
 mod trace;
 mod vectors;
 mod verify;
+mod wave;
 mod wavediff;
 
 use clap::Subcommand;
@@ -32,6 +33,7 @@ pub enum Command {
     Emit(emit::Arguments),
     Verify(verify::Arguments),
     Wavediff(wavediff::Arguments),
+    Wave(wave::Arguments),
     Area(area::Arguments),
     Paper(paper::Arguments),
     Plan(plan::Arguments),
@@ -55,6 +57,7 @@ impl Command {
             Command::Vectors(arguments) => vectors::run(arguments),
             Command::Verify(arguments) => verify::run(arguments),
             Command::Wavediff(arguments) => wavediff::run(arguments),
+            Command::Wave(arguments) => wave::run(arguments),
             Command::Area(arguments) => area::run(arguments),
             Command::Paper(arguments) => paper::run(arguments),
             Command::Plan(arguments) => plan::run(arguments),

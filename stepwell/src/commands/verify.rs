@@ -1,6 +1,6 @@
 //! `stepwell verify`: the Verilog against the golden model, outputs and registers, every cycle.
 
-mod machine;
+pub mod machine;
 mod operator;
 mod scene;
 mod summary;

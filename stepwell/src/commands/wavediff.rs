@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use hdl_gen::wave::{DiffOptions, SideOptions, diff_files};
+use hdl_gen::wave::{CycleNumbers, DiffOptions, SideOptions, diff_files};
 
 use super::Outcome;
 use crate::options::AnswerOptions;
@@ -38,6 +38,20 @@ pub struct Arguments {
     #[arg(long, value_name = "SCOPE")]
     other_scope: Option<String>,
 
+    /// Number of the cycle that the first rising edge of the golden file begins; by its time unless
+    /// told
+    #[arg(long, value_name = "CYCLE")]
+    golden_first_cycle: Option<u64>,
+
+    /// The same of the other file: 0 of an emitted testbench's
+    #[arg(long, value_name = "CYCLE")]
+    other_first_cycle: Option<u64>,
+
+    /// Take bits that are x in the other file for agreeing: registers without reset, before they are
+    /// first written, in a simulator that knows x
+    #[arg(long)]
+    excuse_unknown: bool,
+
     /// Diverging signals to show of the first divergent cycle
     #[arg(long, value_name = "N", default_value_t = 10)]
     signals: usize,
@@ -48,14 +62,15 @@ pub struct Arguments {
 
 /// Compares the waveforms.
 pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
-    let side = |scope| SideOptions {
+    let side = |scope, first: Option<u64>| SideOptions {
         scope,
-        ..SideOptions::default()
+        cycles: first.map_or(CycleNumbers::ByTime, CycleNumbers::FromFirstEdge),
     };
     let options = DiffOptions {
-        golden: side(arguments.golden_scope),
-        other: side(arguments.other_scope),
+        golden: side(arguments.golden_scope, arguments.golden_first_cycle),
+        other: side(arguments.other_scope, arguments.other_first_cycle),
         signals_shown: arguments.signals,
+        excuse_other_unknown: arguments.excuse_unknown,
         ..DiffOptions::default()
     };
     let report = diff_files(&arguments.golden, &arguments.other, &options)?;

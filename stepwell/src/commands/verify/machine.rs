@@ -1,17 +1,23 @@
 //! A scene's frame through its whole machine.
 
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
 use std::time::Instant;
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 
 use hdl_gen::emit::write_design;
 use hdl_gen::fault::plant;
-use hdl_gen::verify::{ClockedRun, Comparison, FoundSimulator, PaperDesign};
+use hdl_gen::verify::{
+    ClockedRun, Comparison, FoundSimulator, PaperDesign, TraceWindow, verilator_waveform,
+};
 use rtl_model::float::FloatFormat;
 use rtl_model::machine::PaperRun;
 use rtl_model::readings::E7F16;
 use rtl_model::scene::{Machine, MachineKind, Scene};
 
+use super::scene::create;
 use super::summary::{Finished, SignalFacts, Summary};
 use super::{Arguments, Outcome};
 use crate::machine::PaperScene;
@@ -26,9 +32,6 @@ pub fn verify(arguments: &Arguments, scene: &Scene, machine: &Machine) -> anyhow
             scene.name,
             machine.kind.name()
         );
-    }
-    if arguments.vcd.is_some() {
-        bail!("--vcd: waveforms of machines are not written yet; leave it out");
     }
     let simulator = arguments.sim.find()?;
     let folder = arguments
@@ -46,38 +49,41 @@ pub fn verify(arguments: &Arguments, scene: &Scene, machine: &Machine) -> anyhow
     let run = subject.run(stalls);
     let start = Instant::now();
     if let FoundSimulator::Verilator(verilator) = &simulator {
-        let build = |run: &ClockedRun<'_>| verilator.build(run.unit, &run.plan(), false);
+        let traced = arguments.vcd.is_some();
+        let build = |run: &ClockedRun<'_>| verilator.build(run.unit, &run.plan(), traced);
         compare(&design, &run, subject.format, build)?;
     }
     let build_seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let comparison = match &simulator {
-        FoundSimulator::Icarus(_) => bail!(
-            "--sim icarus: machines are compared by Verilator or the embedded simulator; take \
-             --sim verilator or --sim embedded"
-        ),
-        FoundSimulator::Embedded => compare(&design, &run, subject.format, |run| run.embedded())?,
-        FoundSimulator::Verilator(verilator) => {
-            let bar = progress::bar(report.cycles(), "cycles");
-            let advance = |cycles| bar.set_position(cycles);
-            let compared = compare(&design, &run, subject.format, |run| {
-                run.verilator(verilator, None, advance)
-            });
-            bar.finish_and_clear();
-            compared?
-        }
+    let mut comparison = None;
+    let mut files = Vec::new();
+    let mut simulated = |folder: Option<&Path>| -> anyhow::Result<()> {
+        let cycles = report.cycles();
+        comparison = Some(compare(&design, &run, subject.format, |run| {
+            simulate(arguments, &simulator, run, cycles, folder)
+        })?);
+        Ok(())
     };
+    let unit = &subject.unit.design;
+    match folder {
+        None => simulated(None)?,
+        Some(folder) => {
+            folder.publish(|folder| {
+                write_design(unit, folder)?;
+                simulated(Some(folder))
+            })?;
+            let output = arguments.output.clone().unwrap_or_default();
+            files.push(output.join(format!("{}.v", unit.name)));
+            if arguments.vcd.is_some() {
+                files.extend(WAVEFORMS.map(|name| output.join(name)));
+            }
+        }
+    }
+    let comparison = comparison.context("the run left no comparison")?;
     let comparison = Comparison {
         guards: report.guards,
         ..comparison
     };
-    let unit = &subject.unit.design;
-    let mut files = Vec::new();
-    if let Some(folder) = folder {
-        folder.publish(|folder| Ok(write_design(unit, folder).map(|_| ())?))?;
-        let output = arguments.output.clone().unwrap_or_default();
-        files.push(output.join(format!("{}.v", unit.name)));
-    }
     let facts = subject.unit.probes.iter().map(|probe| SignalFacts {
         path: probe.path(),
         width: probe.width,
@@ -105,9 +111,59 @@ pub fn verify(arguments: &Arguments, scene: &Scene, machine: &Machine) -> anyhow
     Ok(if agrees { outcome } else { Outcome::Disagreed })
 }
 
+/// The files of waveforms: golden, and the hardware's.
+const WAVEFORMS: [&str; 2] = ["golden.vcd", "hardware.vcd"];
+
+/// Runs a machine, and writes into the folder the waveforms that are asked for.
+fn simulate(
+    arguments: &Arguments,
+    simulator: &FoundSimulator,
+    run: &ClockedRun<'_>,
+    cycles: u64,
+    folder: Option<&Path>,
+) -> anyhow::Result<Comparison> {
+    let window = arguments.vcd.as_ref().map(|window| window.0.clone());
+    let waveforms = folder.zip(window);
+    if let Some((folder, window)) = &waveforms {
+        run.golden_waveform(window.clone(), create(&folder.join(WAVEFORMS[0]))?)?;
+    }
+    match (simulator, waveforms) {
+        (FoundSimulator::Icarus(_), _) => bail!(
+            "--sim icarus: machines are compared by Verilator or the embedded simulator; take \
+             --sim verilator or --sim embedded, or stepwell emit, whose testbench Icarus runs"
+        ),
+        (FoundSimulator::Embedded, None) => Ok(run.embedded()?),
+        (FoundSimulator::Embedded, Some((folder, window))) => {
+            let output = create(&folder.join(WAVEFORMS[1]))?;
+            let (comparison, written) = run.embedded_waveform(window, output)?;
+            written?;
+            Ok(comparison)
+        }
+        (FoundSimulator::Verilator(verilator), waveforms) => {
+            let raw = tempfile::NamedTempFile::new().context("a temporary file")?;
+            let trace = waveforms.as_ref().map(|(_, window)| TraceWindow {
+                file: raw.path().to_owned(),
+                first: *window.start(),
+                last: *window.end(),
+            });
+            let bar = progress::bar(cycles, "cycles");
+            let comparison =
+                run.verilator(verilator, trace.as_ref(), |cycles| bar.set_position(cycles));
+            bar.finish_and_clear();
+            let comparison = comparison?;
+            if let Some((folder, window)) = waveforms {
+                let input = BufReader::new(File::open(raw.path()).context("Verilator's waveform")?);
+                let output = create(&folder.join(WAVEFORMS[1]))?;
+                run.conform_waveform(input, &verilator_waveform(), window, output)?;
+            }
+            Ok(comparison)
+        }
+    }
+}
+
 /// The comparison of a run, in the format the unit is made for where it is known when this is
 /// compiled.
-fn compare<T>(
+pub fn compare<T>(
     design: &PaperDesign,
     run: &PaperRun<'_>,
     format: FloatFormat,

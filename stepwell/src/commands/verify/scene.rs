@@ -256,7 +256,8 @@ fn simulate(
     }
 }
 
-fn create(path: &PathBuf) -> anyhow::Result<BufWriter<File>> {
+/// A file of a waveform.
+pub(super) fn create(path: &PathBuf) -> anyhow::Result<BufWriter<File>> {
     let file =
         File::create(path).with_context(|| format!("{}: cannot be written", path.display()))?;
     Ok(BufWriter::new(file))
