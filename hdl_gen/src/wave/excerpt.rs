@@ -258,7 +258,7 @@ mod tests {
             several.contains("`top.a.count` or `top.b.count`"),
             "{several}"
         );
-        let none = message("a.cuont");
+        let none = message("a.coun");
         assert!(none.contains("near it: top.a.count"), "{none}");
         let window = read(&["signed"], 20..=30).unwrap_err().to_string();
         assert!(window.contains("no cycle from 20 to 30"), "{window}");
