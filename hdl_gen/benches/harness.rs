@@ -57,6 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             MachineLatencies {
                 multiplier: 2,
                 divider: 5,
+                conversion: 2,
                 ..MachineLatencies::PAPER
             },
         ),
