@@ -50,10 +50,28 @@ pub(super) struct Blocks {
     line_levels: u32,
     /// log2 of the map's side in texels.
     root_level: u32,
-    /// Side of a cell of the level that a walk starts at, by log2 of its travel from top to bottom in
-    /// texels, rounded down.
-    start_side_of_reach: [i32; REACHES],
+    /// The level that a walk starts at, by log2 of its travel from top to bottom in texels, rounded
+    /// down.
+    start_of_reach: [StartCell; REACHES],
     full_height: f64,
+}
+
+/// A cell of the level that a walk starts at.
+#[derive(Clone, Copy, Debug)]
+struct StartCell {
+    /// Its side, in units, less one.
+    units: u64,
+    /// Half its side, in texels.
+    half: f64,
+}
+
+impl StartCell {
+    fn of_side(side: u32) -> StartCell {
+        StartCell {
+            units: (u64::from(side) << LOG2_UNITS) - 1,
+            half: 0.5 * f64::from(side),
+        }
+    }
 }
 
 /// Powers of two of a travel that are told apart; at the last or above every walk starts alike.
@@ -66,16 +84,16 @@ impl Blocks {
             height_bits,
             log2_side: LOG2_SIDE,
         };
-        let mut start_side_of_reach = [0; REACHES];
-        for (reach, side) in start_side_of_reach.iter_mut().enumerate() {
+        let mut start_of_reach = [StartCell::of_side(1); REACHES];
+        for (reach, cell) in start_of_reach.iter_mut().enumerate() {
             let starts = |n: &usize| shape.start_reach_log2(shape.line_level(*n)) as usize <= reach;
             let start = (1..shape.line_levels()).filter(starts).count() as u32;
-            *side = 1 << (LOG2_SIDE * start);
+            *cell = StartCell::of_side(1 << (LOG2_SIDE * start));
         }
         Blocks {
             line_levels: shape.line_levels() as u32,
             root_level,
-            start_side_of_reach,
+            start_of_reach,
             full_height: ((1_u32 << height_bits) - 1).into(),
         }
     }
@@ -99,14 +117,14 @@ impl Blocks {
         words
     }
 
-    /// Side of a cell of the level that a walk starts at.
+    /// The cell that a walk starts at has this side.
     #[inline(always)]
-    fn start_side(&self, slope: f64) -> i32 {
+    fn start(&self, slope: f64) -> StartCell {
         // Exact: a slope has at most 32 bits.
         let reach = slope * self.full_height;
         // Below one texel a walk starts at the lowest level, as below two.
         let log2 = (reach.to_bits() >> 52).saturating_sub(1023) as usize;
-        self.start_side_of_reach[log2.min(REACHES - 1)]
+        self.start_of_reach[log2.min(REACHES - 1)]
     }
 }
 
@@ -211,9 +229,7 @@ impl BlockPacket {
         blocks: &Blocks,
         now: u32,
     ) {
-        let side = blocks.start_side(larger(u.slope, v.slope));
-        let units = ((side as u64) << LOG2_UNITS) - 1;
-        let half = 0.5 * f64::from(side);
+        let StartCell { units, half } = blocks.start(larger(u.slope, v.slope));
         self.u.enter(lane, &u, units);
         self.v.enter(lane, &v, units);
         self.travel_slope_u[lane] = u.lowered_slope;

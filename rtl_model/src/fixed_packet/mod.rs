@@ -85,6 +85,7 @@ pub struct FixedPacketWalker<'a> {
 
 /// Which nodes are walked through, and in which order their depths lie in memory.
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a walker has one of them")]
 enum Order {
     /// All nodes in Z order: `oh`.
     Nodes,
