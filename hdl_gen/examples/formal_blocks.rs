@@ -14,10 +14,15 @@ use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::emit::write_design;
 use hdl_gen::fault::plant;
 use hdl_gen::netlist::Module;
-use hdl_gen::units::{PaperLoop, PaperUnit};
+use hdl_gen::units::{ExactUnit, PaperLoop, PaperUnit};
 use rtl_model::float::FloatFormat;
-use rtl_model::machine::{CacheAnswer, FifoShape, HeightCacheShape, PaperShape, ReadPortShape};
+use rtl_model::machine::{
+    CacheAnswer, ExactEffort, ExactMachineShape, FifoShape, HeightCacheShape, PaperShape,
+    ReadPortShape,
+};
 use rtl_model::scene::{Machine, MachineCache, MachineKind};
+use rtl_model::units::bounded_shape::BoundedShape;
+use rtl_model::units::fixed_shape::FixedShape;
 use rtl_model::units::paper_step::{HeightLayout, PaperStep};
 use rtl_model::units::traverse_step::TraverseShape;
 
@@ -29,6 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         write_design(&plant(&design, faulty_signal, 0)?, &folder.join("faulty"))?;
     }
     write_design(&paper_machine(), &folder)?;
+    write_design(&exact_machine(), &folder)?;
     for (fault, design, line, faulty_line) in FAULTS {
         let sound = std::fs::read_to_string(folder.join(design))?;
         if sound.matches(line).count() != 1 {
@@ -43,8 +49,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Faults more exact than an inverted signal: a controller that lets in one ray too many, a ray that
 /// is dropped where it should go round, one that takes the id of the ray behind it; and a line that
-/// may be pushed out as soon as it has come.
-const FAULTS: [(&str, &str, &str, &str); 4] = [
+/// may be pushed out as soon as it has come. And of the exact machine: a slot that stays free though
+/// a ray is in it, a refused walk that is dropped, and a check that takes the id of the hit before.
+const FAULTS: [(&str, &str, &str, &str); 7] = [
     (
         "overbooked",
         "paper_loop.v",
@@ -68,6 +75,24 @@ const FAULTS: [(&str, &str, &str, &str); 4] = [
         "height_cache.v",
         "serves_0           = hit_o & ",
         "serves_0           = ",
+    ),
+    (
+        "lent",
+        "exact_machine.v",
+        "(free_slots & (~(admits",
+        "(free_slots & (~(returns",
+    ),
+    (
+        "dropped",
+        "exact_machine.v",
+        "recirculates | (returns | admits);",
+        "recirculates | admits;",
+    ),
+    (
+        "mixed",
+        "exact_machine.v",
+        "check_id              <= waiting_id;",
+        "check_id              <= answer_id;",
     ),
 ];
 
@@ -112,4 +137,25 @@ fn paper_machine() -> Arc<Module> {
     let format = FloatFormat::E7F16;
     let shape = PaperShape::new(step, format.width(), &machine);
     PaperUnit::build(&PaperLoop::build(&shape, format, &OperatorLatencies::PAPER)).design
+}
+
+/// The exact machine for a map of 8 x 8 texels with four slots, and the datapaths that the proofs
+/// cut away.
+fn exact_machine() -> Arc<Module> {
+    let words = FixedShape {
+        root_level: 3,
+        height_bits: 8,
+        entry_fraction_bits: 2,
+        slope_bits: 6,
+    };
+    let effort = ExactEffort {
+        slots: 4,
+        ..ExactEffort::AREA
+    };
+    let cache = MachineCache {
+        lines: 2,
+        pending: 2,
+    };
+    let shape = ExactMachineShape::new(BoundedShape::new(words, 1), effort, &cache, false);
+    ExactUnit::build(&shape).design
 }
