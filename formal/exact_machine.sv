@@ -29,12 +29,12 @@ module exact_machine_properties (
     wire [7:0]   hit_depth;
 
     // Registers of the machine.
-    wire [5:0]  valid;
-    wire [1:0]  slot_s0, slot_s1, slot_s2, slot_s3, slot_s4, slot_s5;
+    wire [7:0]  valid;
+    wire [1:0]  slot_s0, slot_s1, slot_s2, slot_s3, slot_s4, slot_s5, slot_s6, slot_s7;
     wire [1:0]  slot_s0_next, waiting_slot, check_slot, answer_slot;
     wire        waiting_valid, check_valid, answer_valid, answer_refused;
-    wire [19:0] waiting_id, check_id, answer_id, setup_0_id, setup_1_id;
-    wire        setup_0_busy, setup_1_busy, fresh_s0, admits, ends, returns;
+    wire [19:0] waiting_id, check_id, answer_id, setup_0_id, setup_1_id, setup_2_id;
+    wire        setup_0_busy, setup_1_busy, setup_2_busy, fresh_s0, admits, ends, returns;
     wire [3:0]  free_slots;
     wire [2:0]  count;
     wire [1:0]  write_pointer, read_pointer, place_0, place_1, place_2, place_3;
@@ -62,12 +62,16 @@ module exact_machine_properties (
         .valid_s3          (valid[3]),
         .valid_s4          (valid[4]),
         .valid_s5          (valid[5]),
+        .valid_s6          (valid[6]),
+        .valid_s7          (valid[7]),
         .slot_s0           (slot_s0),
         .slot_s1           (slot_s1),
         .slot_s2           (slot_s2),
         .slot_s3           (slot_s3),
         .slot_s4           (slot_s4),
         .slot_s5           (slot_s5),
+        .slot_s6           (slot_s6),
+        .slot_s7           (slot_s7),
         .slot_s0_next      (slot_s0_next),
         .waiting_valid     (waiting_valid),
         .waiting_slot      (waiting_slot),
@@ -83,6 +87,8 @@ module exact_machine_properties (
         .setup_0_id        (setup_0_id),
         .setup_1_busy      (setup_1_busy),
         .setup_1_id        (setup_1_id),
+        .setup_2_busy      (setup_2_busy),
+        .setup_2_id        (setup_2_id),
         .fresh_s0          (fresh_s0),
         .admits            (admits),
         .ends              (ends),
@@ -124,7 +130,7 @@ module exact_machine_properties (
     genvar slot;
     generate
         for (slot = 0; slot < 4; slot = slot + 1) begin : places
-            wire [13:0] are = {
+            wire [15:0] are = {
                 free_slots[slot],
                 valid[0] && slot_s0 == slot,
                 valid[1] && slot_s1 == slot,
@@ -132,6 +138,8 @@ module exact_machine_properties (
                 valid[3] && slot_s3 == slot,
                 valid[4] && slot_s4 == slot,
                 valid[5] && slot_s5 == slot,
+                valid[6] && slot_s6 == slot,
+                valid[7] && slot_s7 == slot,
                 is_in_fifo[0] && place_0 == slot,
                 is_in_fifo[1] && place_1 == slot,
                 is_in_fifo[2] && place_2 == slot,
@@ -141,8 +149,8 @@ module exact_machine_properties (
                 answer_valid && answer_slot == slot
             };
             always @* if (started) begin
-                assert (are != 14'd0);
-                assert ((are & (are - 14'd1)) == 14'd0);
+                assert (are != 16'd0);
+                assert ((are & (are - 16'd1)) == 16'd0);
             end
         end
     endgenerate
@@ -157,7 +165,7 @@ module exact_machine_properties (
     // The watched slot holds the ray that was let into it, until its hit is taken.
     (* anyconst *) reg [1:0] watched_slot;
     reg [19:0] held_id = 20'd0;
-    always @(posedge clk_i) if (started && admits && slot_s0_next == watched_slot) held_id <= setup_1_id;
+    always @(posedge clk_i) if (started && admits && slot_s0_next == watched_slot) held_id <= setup_2_id;
     wire is_held = !free_slots[watched_slot];
     wire [47:0] held_ray = watched_slot == 2'd0 ? ray_0 :
                            watched_slot == 2'd1 ? ray_1 :
@@ -175,15 +183,16 @@ module exact_machine_properties (
     (* anyconst *) reg [19:0] watched;
     reg [2:0] set_up = 3'd0;
     wire watched_enters = started && ray_valid_i && ray_ready && ray_id_i == watched;
-    wire watched_admits = started && admits && setup_1_id == watched;
+    wire watched_admits = started && admits && setup_2_id == watched;
     always @(posedge clk_i)
         set_up <= started ? set_up + {2'd0, watched_enters} - {2'd0, watched_admits} : 3'd0;
     wire in_setup_0 = setup_0_busy && setup_0_id == watched;
-    wire in_setup_1 = setup_1_busy && !fresh_s0 && setup_1_id == watched;
+    wire in_setup_1 = setup_1_busy && setup_1_id == watched;
+    wire in_setup_2 = setup_2_busy && !fresh_s0 && setup_2_id == watched;
     always @* if (started) begin
-        assert (set_up == {2'd0, in_setup_0} + {2'd0, in_setup_1});
-        assert (!fresh_s0 || setup_1_busy);
-        assert (!admits || (setup_1_busy && !fresh_s0));
+        assert (set_up == {2'd0, in_setup_0} + {2'd0, in_setup_1} + {2'd0, in_setup_2});
+        assert (!fresh_s0 || setup_2_busy);
+        assert (!admits || (setup_2_busy && !fresh_s0));
     end
 
     // A hit that is offered stands until it is taken.

@@ -150,6 +150,9 @@ fn exact_machine() -> Arc<Module> {
     };
     let effort = ExactEffort {
         slots: 4,
+        stages: 8,
+        setups: 2,
+        waiting_rays: 0,
         ..ExactEffort::AREA
     };
     let cache = MachineCache {
