@@ -114,6 +114,11 @@ impl Subject {
         })
     }
 
+    /// The map and its pyramid alone.
+    pub fn into_map_and_pyramid(self) -> (HeightMap, Pyramid) {
+        (self.map, self.pyramid)
+    }
+
     fn rays(&self, camera: usize, screen: FrameSize) -> Vec<Ray<f64>> {
         let view = View::new(
             &CAMERAS[camera].1,

@@ -8,6 +8,8 @@
 //!   the exact reference.
 //! * `walks`: the exact fixed-point walk against a walk of the texels one by one.
 //! * `frames`: whole frames of every safe traversal against the exact reference.
+//! * `machines`: whole machines under Verilator, every signal in every cycle, and their hits against
+//!   the exact reference.
 //! * `formal`: hardware operators proven equal to plain specifications by a SAT solver.
 
 pub mod cases;
@@ -16,6 +18,8 @@ pub mod formats;
 pub mod frame_table;
 pub mod frames;
 pub mod hardware;
+pub mod machine_table;
+pub mod machines;
 pub mod operands;
 pub mod record;
 pub mod routes;

@@ -1,5 +1,8 @@
 //! A scene's machine: built, its rays, its golden run, and what that came to.
 
+mod exact;
+mod subject;
+
 use std::ops::ControlFlow;
 
 use anyhow::{Context, bail};
@@ -8,10 +11,11 @@ use serde::Serialize;
 
 use hdl_gen::datapath::OperatorLatencies;
 use hdl_gen::units::{PaperLoop, PaperUnit, paper_stages};
+use hdl_gen::verify::{ClockedRun, PaperDesign};
 use rtl_model::float::FloatFormat;
 use rtl_model::machine::{
-    AxiMemoryShape, HitLedger, HitReport, ID_BITS, OccupancyOverTime, PaperCounts, PaperRun,
-    PaperShape, RunSummary, StallPattern,
+    AxiMemoryShape, ExactCounts, HitLedger, HitReport, ID_BITS, OccupancyOverTime, PaperCounts,
+    PaperRun, PaperShape, RunSummary, StallPattern,
 };
 use rtl_model::maps::Pyramid;
 use rtl_model::ray::Ray;
@@ -22,6 +26,9 @@ use rtl_model::scene::{
 use rtl_model::units::paper_step::{HeightLayout, PAPER_POLICY, PaperStep};
 use rtl_model::units::traverse::{Status, shape_for, walk};
 use rtl_model::walker::Walker;
+
+pub use exact::ExactScene;
+pub use subject::MachineScene;
 
 /// Texels on a side of the smallest map whose pyramid has lines to cache.
 const SMALLEST_MAP: u32 = 16;
@@ -131,6 +138,17 @@ impl PaperScene {
         }
     }
 
+    /// Calls `with` with the comparison of a run, to be made in a simulator of choice.
+    pub fn compare<T>(&self, stalls: Option<u16>, with: impl FnOnce(&ClockedRun<'_>) -> T) -> T {
+        let design = PaperDesign::of_unit(&self.unit);
+        let run = self.run(stalls);
+        match self.format {
+            // The format the unit is made for: its arithmetic compiled for it.
+            FloatFormat::E7F16 => design.compare(&run, E7F16, with),
+            other => design.compare(&run, other, with),
+        }
+    }
+
     /// Runs the golden machine alone, and holds every hit against the golden walk. With a seed,
     /// senders, receivers and memory stall at random.
     pub fn golden_run(&self, stalls: Option<u16>) -> MachineReport {
@@ -214,6 +232,13 @@ pub fn machine_of(scene: &Scene) -> anyhow::Result<Machine> {
     })
 }
 
+/// Cycles in which no trip began, by their cause.
+#[derive(Clone, Copy, Debug, Default)]
+struct GapsByCause {
+    without_ray: u64,
+    without_room: u64,
+}
+
 /// What a golden machine's run came to.
 #[derive(Clone, Debug, Serialize)]
 pub struct MachineReport {
@@ -230,6 +255,9 @@ pub struct MachineReport {
     /// Cycles in which none began since there was no room behind the loop, or the cache was being
     /// cleared.
     pub gaps_without_room: u64,
+    /// Of the exact machine: walks that the leaf check sent back.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refusals: Option<u64>,
     /// Lookups that found their height, of all.
     pub cache_hit_rate: f64,
     /// Lines fetched.
@@ -263,6 +291,7 @@ impl MachineReport {
             trips: counts.passes,
             gaps_without_ray: counts.gaps_without_ray,
             gaps_without_room: counts.gaps_without_room,
+            refusals: None,
             cache_hit_rate: summary.hit_rate(),
             lines_fetched: counts.lines_fetched,
             memory_bytes_per_pixel: summary.bytes as f64 / summary.hits.max(1) as f64,
@@ -270,6 +299,33 @@ impl MachineReport {
             duplicated: hits.duplicated,
             hits_differing: hits.differing,
             guards: 0,
+            occupancy_over_time,
+        }
+    }
+
+    fn of_exact(
+        summary: RunSummary<ExactCounts>,
+        hits: HitReport,
+        gaps: GapsByCause,
+        guards: u64,
+        occupancy_over_time: OccupancyOverTime,
+    ) -> MachineReport {
+        let counts = summary.counts;
+        MachineReport {
+            machine: MachineKind::Exact.name(),
+            occupancy: (summary.busy_cycles > 0).then(|| summary.occupancy()),
+            cycles_per_pixel: summary.cycles_per_ray(),
+            trips: counts.trips,
+            gaps_without_ray: gaps.without_ray,
+            gaps_without_room: gaps.without_room,
+            refusals: Some(counts.refusals),
+            cache_hit_rate: summary.hit_rate(),
+            lines_fetched: counts.lines_fetched,
+            memory_bytes_per_pixel: summary.bytes as f64 / summary.hits.max(1) as f64,
+            lost: hits.lost(),
+            duplicated: hits.duplicated,
+            hits_differing: hits.differing,
+            guards,
             occupancy_over_time,
         }
     }
@@ -295,7 +351,17 @@ impl MachineReport {
             Some(occupancy) => format!("{occupancy:.3} trips a cycle while 64 rays or more wait"),
             None => "never as many as 64 rays waited".to_owned(),
         };
-        vec![
+        let refusals = self.refusals.map(|refusals| {
+            let share = refusals as f64 / self.trips.max(1) as f64;
+            (
+                "leaf check",
+                format!(
+                    "{refusals} walks sent back, {:.2} % of trips",
+                    100.0 * share
+                ),
+            )
+        });
+        let mut rows = vec![
             ("machine", self.machine.to_owned()),
             ("occupancy", occupancy),
             ("cycles", format!("{:.2} a pixel", self.cycles_per_pixel)),
@@ -322,6 +388,8 @@ impl MachineReport {
                     self.lost, self.duplicated, self.hits_differing
                 ),
             ),
-        ]
+        ];
+        rows.extend(refusals);
+        rows
     }
 }

@@ -140,7 +140,7 @@ impl Frames {
     }
 }
 
-fn parse_screen(text: &str) -> Result<FrameSize, String> {
+pub(super) fn parse_screen(text: &str) -> Result<FrameSize, String> {
     let side = |text: &str| text.parse().ok().filter(|side| (1..=8192).contains(side));
     text.split_once('x')
         .and_then(|(width, height)| {

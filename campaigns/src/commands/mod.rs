@@ -3,6 +3,7 @@
 mod formal;
 mod frames;
 mod hardware;
+mod machines;
 mod routes;
 mod small_worlds;
 mod softfloat;
@@ -37,6 +38,8 @@ pub enum Command {
     SmallWorlds(small_worlds::SmallWorlds),
     /// Whole frames of every traversal that promises not to miss against the exact reference
     Frames(frames::Frames),
+    /// Whole machines on whole frames, every signal in every cycle, under Verilator
+    Machines(machines::Machines),
 }
 
 impl Command {
@@ -50,6 +53,7 @@ impl Command {
             Command::Formal(command) => command.run(),
             Command::SmallWorlds(command) => command.run(),
             Command::Frames(command) => command.run(),
+            Command::Machines(command) => command.run(),
         }
     }
 }

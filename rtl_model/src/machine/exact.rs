@@ -151,7 +151,7 @@ impl ExactMachine {
     }
 
     /// A ray is set up, and not yet in the loop.
-    fn is_set_up(&self) -> bool {
+    pub fn is_set_up(&self) -> bool {
         let last = &self.setups[self.setups.len() - 1];
         last.busy && last.turns == 0 && !self.stage(0).fresh
     }

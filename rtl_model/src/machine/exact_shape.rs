@@ -52,7 +52,7 @@ impl ExactEffort {
 
     /// Few cycles a ray, for lines of 4 x 4 heights.
     pub const THROUGHPUT: ExactEffort = ExactEffort {
-        slots: 16,
+        slots: 32,
         stages: 8,
         setups: 6,
         near_digits: 6,

@@ -23,6 +23,16 @@ impl MachineKind {
     }
 }
 
+/// How much hardware the exact machine has of each kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MachineEffort {
+    /// Little area.
+    Area,
+    /// Few cycles a ray.
+    Throughput,
+}
+
 /// A machine, as a scene's table `[machine]` has it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -37,6 +47,10 @@ pub struct Machine {
     /// Of the paper's machine: cycles of its operators; the paper's unless told.
     #[serde(default)]
     pub latencies: Option<MachineLatencies>,
+    /// Of the exact machine: how much hardware it has. Unless told, little area where the scene's
+    /// method reads 2 x 2 heights, and few cycles where it reads 4 x 4.
+    #[serde(default)]
+    pub effort: Option<MachineEffort>,
     /// Pixels on a side of the square tiles in which the frame's rays come, tile by tile, each row
     /// by row: a power of two, 1 to 8192. With 1 they come row by row of the frame.
     #[serde(default = "default_tile", deserialize_with = "checked::tile")]
@@ -178,6 +192,7 @@ impl Machine {
             kind,
             fifo: None,
             latencies: None,
+            effort: None,
             tile: default_tile(),
             counters: false,
             cache: MachineCache::default(),
@@ -256,6 +271,10 @@ mod tests {
         let text = "kind = \"exact\"\nfifo = 8\n[cache]\nlines = 512\n[memory]\nstalls = true";
         let machine: Machine = toml::from_str(text).unwrap();
         assert_eq!((machine.fifo, machine.cache.lines), (Some(8), 512));
+        assert_eq!(machine.effort, None);
+        let text = "kind = \"exact\"\neffort = \"throughput\"";
+        let effort = toml::from_str::<Machine>(text).unwrap().effort;
+        assert_eq!(effort, Some(MachineEffort::Throughput));
         assert!(machine.memory.stalls && machine.memory.latency == 20);
         let text = "kind = \"paper\"\nlatencies = { divider = 8, conversion = 2 }";
         let machine: Machine = toml::from_str(text).unwrap();

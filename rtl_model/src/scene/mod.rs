@@ -31,6 +31,7 @@
 //!     [machine]                            # may be left out: then rays go round a bare loop
 //!     kind = "paper"                       # paper | exact: the whole clocked traverse unit
 //!     fifo = 16                            # entries of FIFO 0 before the loop and FIFO 1 behind it
+//!     # effort = "area"                    # of the exact machine: area | throughput
 //!     tile = 16                            # rays come by square tiles of so many pixels a side
 //!     counters = false                     # count trips, hits, misses and stalls in hardware
 //!     cache = { lines = 256, pending = 4 } # lines of 16 heights; lines on their way at most
@@ -59,7 +60,8 @@ use thiserror::Error;
 use crate::camera::{Camera, Surface, View};
 use crate::maps::{Channel, HeightMap, MapError, MapSource};
 pub use machine::{
-    Machine, MachineCache, MachineKind, MachineLatencies, MachineMemory, fifo_that_fills,
+    Machine, MachineCache, MachineEffort, MachineKind, MachineLatencies, MachineMemory,
+    fifo_that_fills,
 };
 pub use method::{Family, LinearSearch, Method};
 pub use walk::{BorderOffset, Crossing, Walk, WalkError, WalkFormat};

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::bail;
 use clap::Args;
 use serde::Serialize;
 
@@ -12,10 +11,10 @@ use rtl_model::maps::{HeightMap, Pyramid};
 use rtl_model::picture::{
     Plot, PlotAxis, Series, depth_picture, save_png, shaded_picture, steps_picture,
 };
-use rtl_model::scene::{MachineKind, Scene};
+use rtl_model::scene::Scene;
 
 use super::Outcome;
-use crate::machine::{MachineReport, PaperScene, machine_of};
+use crate::machine::{MachineReport, MachineScene, machine_of};
 use crate::options::{AnswerOptions, SceneOptions, ThreadOptions};
 use crate::output::OutputFolder;
 use crate::summary::{WalkSummary, json, table};
@@ -130,14 +129,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
 /// Runs the golden machine of the scene.
 fn run_machine(scene: &Scene) -> anyhow::Result<MachineReport> {
     let machine = machine_of(scene)?;
-    if machine.kind != MachineKind::Paper {
-        bail!(
-            "scene {}: machine {} does not run yet; take kind = \"paper\"",
-            scene.name,
-            machine.kind.name()
-        );
-    }
-    Ok(PaperScene::of(scene, &machine)?.golden_run(None))
+    Ok(MachineScene::of(scene, &machine)?.golden_run(None))
 }
 
 fn save_occupancy(folder: &Path, scene: &Scene, report: &MachineReport) -> anyhow::Result<()> {

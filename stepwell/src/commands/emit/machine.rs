@@ -8,7 +8,6 @@ use hdl_gen::package::{Package, package_machine};
 use hdl_gen::verify::PaperDesign;
 use rtl_model::scene::{Machine, MachineKind, Scene};
 
-use crate::commands::verify::machine::compare;
 use crate::machine::{MachineReport, PaperScene};
 
 /// Emits the machine of a scene. With a seed, senders, receivers and memory stall at random.
@@ -25,7 +24,7 @@ pub fn package(
             let design = PaperDesign::of_unit(&subject.unit);
             let run = subject.run(stalls);
             let surroundings = design.surroundings(&run);
-            Ok(compare(&design, &run, subject.format, |run| {
+            Ok(subject.compare(stalls, |run| {
                 package_machine(run, &surroundings, scene, folder)
             })?)
         }

@@ -9,49 +9,35 @@ use anyhow::{Context, bail};
 
 use hdl_gen::emit::write_design;
 use hdl_gen::fault::plant;
-use hdl_gen::verify::{
-    ClockedRun, Comparison, FoundSimulator, PaperDesign, TraceWindow, verilator_waveform,
-};
-use rtl_model::float::FloatFormat;
-use rtl_model::machine::PaperRun;
-use rtl_model::readings::E7F16;
-use rtl_model::scene::{Machine, MachineKind, Scene};
+use hdl_gen::verify::{ClockedRun, Comparison, FoundSimulator, TraceWindow, verilator_waveform};
+use rtl_model::scene::{Machine, Scene};
 
 use super::scene::create;
 use super::summary::{Finished, SignalFacts, Summary};
 use super::{Arguments, Outcome};
-use crate::machine::PaperScene;
+use crate::machine::MachineScene;
 use crate::output::OutputFolder;
 use crate::progress;
 
 /// Verifies the frame of a scene that has a machine.
 pub fn verify(arguments: &Arguments, scene: &Scene, machine: &Machine) -> anyhow::Result<Outcome> {
-    if machine.kind != MachineKind::Paper {
-        bail!(
-            "scene {}: machine {} is not verified yet; take kind = \"paper\"",
-            scene.name,
-            machine.kind.name()
-        );
-    }
     let simulator = arguments.sim.find()?;
     let folder = arguments
         .output
         .as_deref()
         .map(OutputFolder::prepare)
         .transpose()?;
-    let mut subject = PaperScene::of(scene, machine)?;
+    let mut subject = MachineScene::of(scene, machine)?;
     if let Some(fault) = &arguments.plant_fault {
-        subject.unit.design = plant(&subject.unit.design, &fault.signal, fault.bit)?;
+        *subject.design_mut() = plant(subject.design(), &fault.signal, fault.bit)?;
     }
     let stalls = arguments.stalls.then_some(arguments.seed as u16);
     let report = subject.golden_run(stalls);
-    let design = PaperDesign::of_unit(&subject.unit);
-    let run = subject.run(stalls);
     let start = Instant::now();
     if let FoundSimulator::Verilator(verilator) = &simulator {
         let traced = arguments.vcd.is_some();
         let build = |run: &ClockedRun<'_>| verilator.build(run.unit, &run.plan(), traced);
-        compare(&design, &run, subject.format, build)?;
+        subject.compare(stalls, build)?;
     }
     let build_seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
@@ -59,12 +45,12 @@ pub fn verify(arguments: &Arguments, scene: &Scene, machine: &Machine) -> anyhow
     let mut files = Vec::new();
     let mut simulated = |folder: Option<&Path>| -> anyhow::Result<()> {
         let cycles = report.cycles();
-        comparison = Some(compare(&design, &run, subject.format, |run| {
+        comparison = Some(subject.compare(stalls, |run| {
             simulate(arguments, &simulator, run, cycles, folder)
         })?);
         Ok(())
     };
-    let unit = &subject.unit.design;
+    let unit = subject.design();
     match folder {
         None => simulated(None)?,
         Some(folder) => {
@@ -84,7 +70,7 @@ pub fn verify(arguments: &Arguments, scene: &Scene, machine: &Machine) -> anyhow
         guards: report.guards,
         ..comparison
     };
-    let facts = subject.unit.probes.iter().map(|probe| SignalFacts {
+    let facts = subject.probes().iter().map(|probe| SignalFacts {
         path: probe.path(),
         width: probe.width,
         meaning: probe.meaning,
@@ -98,7 +84,7 @@ pub fn verify(arguments: &Arguments, scene: &Scene, machine: &Machine) -> anyhow
         map: Some(scene.map.source.to_string()),
         comparison,
         signals: facts.collect(),
-        sent: subject.rays.len() as u64,
+        sent: subject.sent(),
         exhaustive: false,
         seconds: start.elapsed().as_secs_f64(),
         build_seconds,
@@ -158,19 +144,5 @@ fn simulate(
             }
             Ok(comparison)
         }
-    }
-}
-
-/// The comparison of a run, in the format the unit is made for where it is known when this is
-/// compiled.
-pub fn compare<T>(
-    design: &PaperDesign,
-    run: &PaperRun<'_>,
-    format: FloatFormat,
-    with: impl FnOnce(&ClockedRun<'_>) -> T,
-) -> T {
-    match format {
-        FloatFormat::E7F16 => design.compare(run, E7F16, with),
-        other => design.compare(run, other, with),
     }
 }
