@@ -43,22 +43,23 @@ impl ExactEffort {
     pub const AREA: ExactEffort = ExactEffort {
         slots: 16,
         stages: 8,
-        setups: 3,
-        near_digits: 2,
+        setups: 4,
+        near_digits: 4,
         waiting_rays: 2,
         travel_digits: 2,
         corner_digits: 1,
     };
 
-    /// Few cycles a ray, for lines of 4 x 4 heights.
+    /// Few cycles a ray, for lines of 4 x 4 heights. The loop is longer than it need be: a ray that
+    /// waits for its line asks again less often.
     pub const THROUGHPUT: ExactEffort = ExactEffort {
         slots: 32,
-        stages: 8,
-        setups: 6,
-        near_digits: 6,
-        waiting_rays: 2,
-        travel_digits: 4,
-        corner_digits: 1,
+        stages: 10,
+        setups: 10,
+        near_digits: 12,
+        waiting_rays: 4,
+        travel_digits: 8,
+        corner_digits: 4,
     };
 }
 
