@@ -156,12 +156,6 @@ impl Build<'_> {
         self.b.section("registers");
         for signal in &declaration {
             if let DeclaredKind::Register(reset) = signal.kind {
-                // What is read from a memory is named where it is read.
-                if signal.name.starts_with("waiting_")
-                    && !["waiting_valid", "waiting_slot"].contains(&signal.name.as_str())
-                {
-                    continue;
-                }
                 let register = self.b.register(signal.width, None, reset);
                 self.b.name(register, &signal.name);
                 self.wires.put(&signal.name, register);
@@ -184,7 +178,7 @@ impl Build<'_> {
         let mut inputs = Ports::default();
         inputs.put("in_valid_i", self.get("ends"));
         inputs.put("in_slot_i", trip.get("slot"));
-        inputs.put("out_ready_i", self.get("waits"));
+        inputs.put("out_ready_i", self.get("fetches"));
         fifo_block.connect(&mut self.b, &inputs);
 
         self.b

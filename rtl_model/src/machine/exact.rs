@@ -55,6 +55,9 @@ pub struct ExactMachine {
     cache: HeightCache,
     port: ReadPort,
     leaf_fifo: Fifo,
+    /// What the memories give in this cycle, a half of it late.
+    fetched_valid: bool,
+    fetched: (LeafWalk, SlotRay),
     waiting_valid: bool,
     waiting: (LeafWalk, SlotRay),
     check_valid: bool,
@@ -87,6 +90,8 @@ impl ExactMachine {
             cache: HeightCache::new(shape.cache.clone()),
             port: ReadPort::new(shape.port.clone()),
             leaf_fifo: Fifo::new(shape.leaf_fifo.clone()),
+            fetched_valid: false,
+            fetched: Default::default(),
             waiting_valid: false,
             waiting: Default::default(),
             check_valid: false,
@@ -387,6 +392,7 @@ impl ExactMachine {
         let answers = self.answers();
         let checks = self.checks();
         let waits = self.waits();
+        let fetches = self.fetches();
         self.counts.refusals += u64::from(outputs.returns);
 
         let checking = self.check_valid;
@@ -444,16 +450,20 @@ impl ExactMachine {
             self.check.turns = 0;
         }
         if waits {
+            self.waiting = self.fetched;
+            (self.waiting_valid, self.fetched_valid) = (true, false);
+        }
+        if fetches {
             let slot = self.leaf_fifo.outputs().out[0] as usize;
-            self.waiting = (self.ended[slot], self.rays[slot]);
-            self.waiting_valid = true;
+            self.fetched = (self.ended[slot], self.rays[slot]);
+            self.fetched_valid = true;
         }
         if outputs.ends {
             self.ended[last.slot as usize] = last.leaf_walk();
         }
         let slot = [last.slot];
         let put = outputs.ends.then_some(&slot[..]);
-        self.leaf_fifo.clock(put, waits);
+        self.leaf_fifo.clock(put, fetches);
     }
 
     /// The check comes to its answer in this cycle.
@@ -466,9 +476,14 @@ impl ExactMachine {
         self.waiting_valid && (!self.check_valid || self.answers())
     }
 
-    /// The FIFO's first walk is taken out.
+    /// What was read goes on to wait.
     fn waits(&self) -> bool {
-        self.leaf_fifo.outputs().out_valid && (!self.waiting_valid || self.checks())
+        self.fetched_valid && (!self.waiting_valid || self.checks())
+    }
+
+    /// What the FIFO's first slot holds is read.
+    fn fetches(&self) -> bool {
+        self.leaf_fifo.outputs().out_valid && (!self.fetched_valid || self.waits())
     }
 
     fn verdict(&self) -> Verdict {

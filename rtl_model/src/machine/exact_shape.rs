@@ -463,6 +463,7 @@ impl ExactMachineShape {
             self.bounded.address_bits(),
             0,
         ));
+        signals.push(Declared::register("fetched_valid", 1, 0));
         for place in ["waiting", "check", "answer"] {
             signals.push(Declared::register(format!("{place}_valid"), 1, 0));
             for (name, width) in self.leaf_walk_registers(place) {

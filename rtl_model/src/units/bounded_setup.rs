@@ -361,7 +361,9 @@ fn division<A: Arith>(
     let is_a_texel = a.and(is_one, is_whole);
     let delta_saturates = a.or(is_less, is_a_texel);
     a.name_bit(names.saturates[0], delta_saturates);
-    let is_beyond = a.int_less_than(way, slope);
+    // Asked of a slope of a texel at most.
+    let low_slope = a.int_low_bits(slope, words.entry_fraction_bits + 1);
+    let is_beyond = a.int_less_than(way, low_slope);
     let is_far = a.not(is_beyond);
     let first_saturates = a.and(is_far, delta_saturates);
     a.name_bit(names.saturates[1], first_saturates);

@@ -64,8 +64,16 @@ impl Build<'_> {
         let checks = self.b.and(waiting_valid, check_is_free);
         let not_waiting = self.b.not(waiting_valid);
         let is_free = self.b.or(not_waiting, checks);
-        let waits = self.b.and(waiting.get("out_valid_o"), is_free);
-        self.wires.put("waits", waits);
+        let fetched_valid = self.get("fetched_valid");
+        let waits = self.b.and(fetched_valid, is_free);
+        let not_fetched = self.b.not(fetched_valid);
+        let is_free = self.b.or(not_fetched, waits);
+        let fetches = self.b.and(waiting.get("out_valid_o"), is_free);
+        self.wires.put("fetches", fetches);
+        let not_waiting = self.b.not(waits);
+        let stays = self.b.and(fetched_valid, not_waiting);
+        let next = self.b.or(fetches, stays);
+        self.b.connect(fetched_valid, next);
         let not_checked = self.b.not(checks);
         let stays = self.b.and(waiting_valid, not_checked);
         let next = self.b.or(waits, stays);
@@ -78,8 +86,10 @@ impl Build<'_> {
             .map(|name| self.get(&format!("setup_{last}_{name}")))
             .collect();
         let admits = (entry.admits, new_slot);
-        let ray = self.read_memory("leaf_rays", &set_up, admits, (waits, slot));
-        self.name_read("waiting", &ray_names, ray);
+        let ray = self.read_memory("leaf_rays", &set_up, admits, (fetches, slot));
+        for (name, &wire) in ray_names.iter().zip(&ray) {
+            self.load(&format!("waiting_{name}"), wire, waits);
+        }
         let registers = shape.leaf_walk_registers("waiting");
         let fields: Vec<Wire> = registers[1..]
             .iter()
@@ -93,9 +103,12 @@ impl Build<'_> {
             })
             .collect();
         let ends = (self.get("ends"), trip.get("slot"));
-        let walk = self.read_memory("ended_walks", &fields, ends, (waits, slot));
-        self.name_read("waiting", &walk_names[1..], walk);
-        self.load("waiting_slot", slot, waits);
+        let walk = self.read_memory("ended_walks", &fields, ends, (fetches, slot));
+        for (name, &wire) in walk_names[1..].iter().zip(&walk) {
+            self.load(&format!("waiting_{name}"), wire, waits);
+        }
+        let fetched_slot = self.b.registered(slot, Some(fetches), None);
+        self.load("waiting_slot", fetched_slot, waits);
 
         self.b.section("the check begins, and goes on");
         let checked = ["id", "slope_u", "slope_v", "mirror_u", "mirror_v"];

@@ -61,15 +61,6 @@ impl Build<'_> {
         outputs
     }
 
-    /// Names the words read after their registers in the declaration.
-    pub(super) fn name_read(&mut self, place: &str, names: &[&str], words: Vec<Wire>) {
-        for (name, word) in names.iter().zip(words) {
-            let name = format!("{place}_{name}");
-            self.b.name(word, &name);
-            self.wires.put(&name, word);
-        }
-    }
-
     /// Is a count at least this?
     pub(super) fn reaches(&mut self, count: Wire, bound: u32) -> Wire {
         let bound = self.b.constant(bound.into(), self.b.width(count));

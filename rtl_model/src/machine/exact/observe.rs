@@ -101,6 +101,7 @@ impl ExactMachine {
         words.extend([u64::from(outputs.returns), outputs.admits.into()]);
         self.stage(0).walk.observe(&self.shape, words);
         words.extend([u64::from(self.lookup_valid), self.lookup_address as u64]);
+        words.push(self.fetched_valid.into());
         words.push(self.waiting_valid.into());
         self.waiting.0.observe(&self.shape, 2, words);
         self.waiting.1.observe_leaf(words);
@@ -119,8 +120,8 @@ impl ExactMachine {
         words.extend([u64::from(answer.at_border_v), answer.way as u64]);
         words.push(answer.slope as u64);
 
-        let waits = self.waits();
-        let driven = [outputs.ends.into(), self.last_stage().slot, waits.into()];
+        let fetches = self.fetches();
+        let driven = [outputs.ends.into(), self.last_stage().slot, fetches.into()];
         self.leaf_fifo.observe(&driven, words);
         let cache = self.cache.outputs();
         let port = self.port_outputs(inputs);
