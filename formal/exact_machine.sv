@@ -4,7 +4,7 @@
 // What computes is cut away, so that the proof holds whatever it answers: the setups' digits, the
 // trip, the leaf check's digits and verdict, the height cache and the port to the memory give any
 // value in any cycle, and a setup and a check take as many cycles as the solver likes. A ray may go
-// round, and be refused, as often as it likes. What is left is the control: the chain of setups, the slots, the loop's valid bits, the FIFO, the three
+// round, and be refused, as often as it likes. What is left is the control: the chain of setups, the slots, the loop's valid bits, the FIFO, the four
 // places of the leaf check, and the memory of what a ray brought, by slot.
 //
 // The ray that is watched is any one: the solver chooses its id, and the slot that is watched.
@@ -31,9 +31,9 @@ module exact_machine_properties (
     // Registers of the machine.
     wire [7:0]  valid;
     wire [1:0]  slot_s0, slot_s1, slot_s2, slot_s3, slot_s4, slot_s5, slot_s6, slot_s7;
-    wire [1:0]  slot_s0_next, waiting_slot, check_slot, answer_slot;
-    wire        waiting_valid, check_valid, answer_valid, answer_refused;
-    wire [19:0] waiting_id, check_id, answer_id, setup_0_id, setup_1_id, setup_2_id;
+    wire [1:0]  slot_s0_next, fetched_slot, waiting_slot, check_slot, answer_slot;
+    wire        fetched_valid, waiting_valid, check_valid, answer_valid, answer_refused;
+    wire [19:0] fetched_id, waiting_id, check_id, answer_id, setup_0_id, setup_1_id, setup_2_id;
     wire        setup_0_busy, setup_1_busy, setup_2_busy, fresh_s0, admits, ends, returns;
     wire [3:0]  free_slots;
     wire [2:0]  count;
@@ -73,6 +73,9 @@ module exact_machine_properties (
         .slot_s6           (slot_s6),
         .slot_s7           (slot_s7),
         .slot_s0_next      (slot_s0_next),
+        .fetched_valid     (fetched_valid),
+        .fetched_slot      (fetched_slot),
+        .fetched_id        (fetched_id),
         .waiting_valid     (waiting_valid),
         .waiting_slot      (waiting_slot),
         .waiting_id        (waiting_id),
@@ -130,7 +133,7 @@ module exact_machine_properties (
     genvar slot;
     generate
         for (slot = 0; slot < 4; slot = slot + 1) begin : places
-            wire [15:0] are = {
+            wire [16:0] are = {
                 free_slots[slot],
                 valid[0] && slot_s0 == slot,
                 valid[1] && slot_s1 == slot,
@@ -144,13 +147,14 @@ module exact_machine_properties (
                 is_in_fifo[1] && place_1 == slot,
                 is_in_fifo[2] && place_2 == slot,
                 is_in_fifo[3] && place_3 == slot,
+                fetched_valid && fetched_slot == slot,
                 waiting_valid && waiting_slot == slot,
                 check_valid && check_slot == slot,
                 answer_valid && answer_slot == slot
             };
             always @* if (started) begin
-                assert (are != 16'd0);
-                assert ((are & (are - 16'd1)) == 16'd0);
+                assert (are != 17'd0);
+                assert ((are & (are - 17'd1)) == 17'd0);
             end
         end
     endgenerate
@@ -172,6 +176,7 @@ module exact_machine_properties (
                            watched_slot == 2'd2 ? ray_2 : ray_3;
     always @* if (started) begin
         if (is_held) assert (held_ray[47:28] == held_id);
+        if (fetched_valid && fetched_slot == watched_slot) assert (fetched_id == held_id);
         if (waiting_valid && waiting_slot == watched_slot) assert (waiting_id == held_id);
         if (check_valid && check_slot == watched_slot) assert (check_id == held_id);
         if (answer_valid && answer_slot == watched_slot) assert (answer_id == held_id);

@@ -464,6 +464,8 @@ impl ExactMachineShape {
             0,
         ));
         signals.push(Declared::register("fetched_valid", 1, 0));
+        signals.push(data("fetched_slot".to_owned(), self.slot_bits()));
+        signals.push(Declared::wire("fetched_id", ID_BITS));
         for place in ["waiting", "check", "answer"] {
             signals.push(Declared::register(format!("{place}_valid"), 1, 0));
             for (name, width) in self.leaf_walk_registers(place) {

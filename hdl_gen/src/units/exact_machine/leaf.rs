@@ -87,6 +87,7 @@ impl Build<'_> {
             .collect();
         let admits = (entry.admits, new_slot);
         let ray = self.read_memory("leaf_rays", &set_up, admits, (fetches, slot));
+        self.b.name(ray[0], "fetched_id");
         for (name, &wire) in ray_names.iter().zip(&ray) {
             self.load(&format!("waiting_{name}"), wire, waits);
         }
@@ -107,7 +108,8 @@ impl Build<'_> {
         for (name, &wire) in walk_names[1..].iter().zip(&walk) {
             self.load(&format!("waiting_{name}"), wire, waits);
         }
-        let fetched_slot = self.b.registered(slot, Some(fetches), None);
+        self.load("fetched_slot", slot, fetches);
+        let fetched_slot = self.get("fetched_slot");
         self.load("waiting_slot", fetched_slot, waits);
 
         self.b.section("the check begins, and goes on");

@@ -101,7 +101,11 @@ impl ExactMachine {
         words.extend([u64::from(outputs.returns), outputs.admits.into()]);
         self.stage(0).walk.observe(&self.shape, words);
         words.extend([u64::from(self.lookup_valid), self.lookup_address as u64]);
-        words.push(self.fetched_valid.into());
+        words.extend([
+            u64::from(self.fetched_valid),
+            self.fetched.0.slot,
+            self.fetched.1.id.into(),
+        ]);
         words.push(self.waiting_valid.into());
         self.waiting.0.observe(&self.shape, 2, words);
         self.waiting.1.observe_leaf(words);
