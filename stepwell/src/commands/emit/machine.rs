@@ -5,10 +5,10 @@ use std::path::Path;
 use anyhow::bail;
 
 use hdl_gen::package::{Package, package_machine};
-use hdl_gen::verify::PaperDesign;
+use hdl_gen::verify::{ExactDesign, PaperDesign};
 use rtl_model::scene::{Machine, MachineKind, Scene};
 
-use crate::machine::{MachineReport, PaperScene};
+use crate::machine::{ExactScene, MachineReport, PaperScene};
 
 /// Emits the machine of a scene. With a seed, senders, receivers and memory stall at random.
 pub fn package(
@@ -28,11 +28,16 @@ pub fn package(
                 package_machine(run, &surroundings, scene, folder)
             })?)
         }
-        MachineKind::Exact => bail!(
-            "scene {}: machine {} is not emitted yet; take kind = \"paper\"",
-            scene.name,
-            machine.kind.name()
-        ),
+        MachineKind::Exact => {
+            let subject = ExactScene::of(scene, machine)?;
+            check(&subject.golden_run(stalls))?;
+            let design = ExactDesign::of(&subject.unit);
+            let run = subject.run(stalls);
+            let surroundings = design.surroundings(&run);
+            Ok(design.compare(&run, |run| {
+                package_machine(run, &surroundings, scene, folder)
+            })?)
+        }
     }
 }
 
