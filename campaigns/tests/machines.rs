@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use campaigns::machine_table::{MACHINES_TABLE, machines_lines};
-use campaigns::machines::{Hardware, MachineCampaign, MachineChoice, MachineFrame};
+use campaigns::machines::{
+    Hardware, MachineCampaign, MachineChoice, MachineFrame, wrong_texels_are_few,
+};
 use campaigns::record::Provenance;
 use campaigns::tier::Tier;
 use rtl_model::scene::FrameSize;
@@ -35,6 +37,9 @@ fn machines_agree_on_a_few_rays() {
                 rows.push(row);
             }
         }
+        assert!(wrong_texels_are_few(&rows));
+        rows[0].wrong_texels = 2 + rows.iter().map(|row| row.rays).sum::<u64>() / 1000;
+        assert!(!wrong_texels_are_few(&rows));
         let provenance = Provenance {
             tier: Tier::Quick,
             date: "2026-01-01".to_owned(),

@@ -190,6 +190,22 @@ impl View {
             })
             .collect()
     }
+
+    /// The rays of the whole frame, as [`View::rays`] has them, in the order in which a renderer
+    /// sends them: by square tiles of `tile` x `tile` pixels, each row by row.
+    ///
+    /// # Errors
+    /// As of [`View::rays`].
+    pub fn rays_by_tile(&self, map_size: u32, tile: u32) -> Result<Vec<Ray<f64>>, PixelRayError> {
+        let rays = self.rays(map_size)?;
+        let mut places: Vec<u32> = (0..rays.len() as u32).collect();
+        places.sort_by_key(|place| {
+            let (x, y) = (place % self.width, place / self.width);
+            (y / tile, x / tile, y, x)
+        });
+        let chosen = places.into_iter().filter_map(|place| rays[place as usize]);
+        Ok(chosen.collect())
+    }
 }
 
 #[cfg(test)]

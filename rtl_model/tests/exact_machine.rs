@@ -62,15 +62,9 @@ fn subjects(width: u32, height: u32, wanted: impl Fn(&str, &str) -> bool) -> Vec
                 continue;
             }
             let view = View::new(view, &surface.surface, width, height);
-            let rays = view.rays(map.size()).expect("rays within reach");
-            // By tiles of 16 x 16 pixels, as a renderer would send them.
-            let mut places: Vec<u32> = (0..width * height).collect();
-            places.sort_by_key(|place| {
-                let (x, y) = (place % width, place / width);
-                (y / 16, x / 16, y, x)
-            });
-            let rays = places.iter().filter_map(|&place| rays[place as usize]);
-            let rays: Vec<Ray<f64>> = rays.collect();
+            let rays = view
+                .rays_by_tile(map.size(), 16)
+                .expect("rays within reach");
             subjects.push(subject(surface.name, camera, &map, &rays));
         }
     }

@@ -7,15 +7,15 @@ use std::path::Path;
 use rtl_model::calibration::{CAMERAS, SURFACES, real_maps};
 use rtl_model::camera::View;
 use rtl_model::machine::{
-    AxiMemoryShape, PaperCounts, PaperInputs, PaperMachine, PaperOutputs, PaperRun, PaperShape,
-    RunSummary, StallPattern,
+    AxiMemoryShape, HitLedger, PaperCounts, PaperInputs, PaperMachine, PaperOutputs, PaperRun,
+    PaperShape, RunSummary, StallPattern,
 };
 use rtl_model::maps::{Channel, HeightMap, MapSource, Pyramid};
 use rtl_model::ray::Ray;
 use rtl_model::readings::{E7F16, FloatReading, enter};
 use rtl_model::scene::{Machine, MachineKind};
-use rtl_model::units::paper_step::{HeightLayout, PAPER_POLICY, PaperStep};
-use rtl_model::units::traverse::{Status, shape_for, walk};
+use rtl_model::units::paper_step::{HeightLayout, PaperStep};
+use rtl_model::units::traverse::shape_for;
 
 /// Stages 0 to 14.
 const PASS_CYCLES: u32 = 14;
@@ -43,43 +43,18 @@ fn entered(rays: impl IntoIterator<Item = Ray<f64>>) -> Vec<Ray<u64>> {
 
 /// Runs, and holds every hit against the golden walk.
 fn check(run: &PaperRun<'_>) -> RunSummary<PaperCounts> {
-    let mut seen = vec![false; run.rays.len()];
+    let mut ledger = HitLedger::new(run.golden_hits(&FloatReading(E7F16)));
     type Walking = PaperMachine<FloatReading<E7F16>>;
     let each = |machine: &Walking, inputs: &PaperInputs, outputs: &PaperOutputs| {
         if outputs.hit_valid && inputs.hit_ready {
-            let found = machine.hit();
-            let id = found[0] as usize;
-            assert!(
-                !std::mem::replace(&mut seen[id], true),
-                "ray {id} left twice"
-            );
-            let a = &mut FloatReading(E7F16);
-            let hit = walk(
-                a,
-                PAPER_POLICY,
-                run.pyramid,
-                run.pyramid.memory(),
-                run.rays[id],
-            );
-            let expected = [
-                id as u64,
-                hit.i.into(),
-                hit.j.into(),
-                hit.t,
-                hit.u,
-                hit.v,
-                hit.steps.into(),
-                hit.crossings.into(),
-                (hit.status == Status::Guard).into(),
-            ];
-            assert_eq!(found, expected);
+            ledger.enter(machine.hit());
         }
         assert!(!outputs.error);
         ControlFlow::Continue(())
     };
     let summary = run.run(FloatReading(E7F16), each);
     assert_eq!(summary.hits, run.rays.len() as u64);
-    assert!(seen.iter().all(|&seen| seen), "a ray was lost");
+    assert!(ledger.report().agrees(), "{:?}", ledger.report());
     summary
 }
 

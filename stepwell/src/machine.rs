@@ -6,7 +6,6 @@ mod subject;
 use std::ops::ControlFlow;
 
 use anyhow::{Context, bail};
-use rayon::prelude::*;
 use serde::Serialize;
 
 use hdl_gen::datapath::OperatorLatencies;
@@ -14,8 +13,8 @@ use hdl_gen::units::{PaperLoop, PaperUnit, paper_stages};
 use hdl_gen::verify::{ClockedRun, PaperDesign};
 use rtl_model::float::FloatFormat;
 use rtl_model::machine::{
-    AxiMemoryShape, ExactCounts, HitLedger, HitReport, ID_BITS, OccupancyOverTime, PaperCounts,
-    PaperRun, PaperShape, RunSummary, StallPattern,
+    AxiMemoryShape, HitLedger, HitReport, ID_BITS, Lookups, OccupancyOverTime, PaperRun,
+    PaperShape, RunSummary, StallPattern,
 };
 use rtl_model::maps::Pyramid;
 use rtl_model::ray::Ray;
@@ -23,8 +22,8 @@ use rtl_model::readings::{E7F16, FloatReading, HasFormat, enter};
 use rtl_model::scene::{
     Crossing, Machine, MachineKind, MachineLatencies, Method, Scene, WalkFormat, fifo_that_fills,
 };
-use rtl_model::units::paper_step::{HeightLayout, PAPER_POLICY, PaperStep};
-use rtl_model::units::traverse::{Status, shape_for, walk};
+use rtl_model::units::paper_step::{HeightLayout, PaperStep};
+use rtl_model::units::traverse::shape_for;
 use rtl_model::walker::Walker;
 
 pub use exact::ExactScene;
@@ -45,7 +44,7 @@ pub struct PaperScene {
     pub pyramid: Pyramid,
     /// The rays as the ports carry them, in the order in which they are sent.
     pub rays: Vec<Ray<u64>>,
-    memory: AxiMemoryShape,
+    machine: Machine,
 }
 
 impl PaperScene {
@@ -76,7 +75,9 @@ impl PaperScene {
         }
         let walker = Walker::new(walks, &pyramid)?;
         let mut reading = FloatReading(format);
-        let rays = rays_by_tile(scene, &pyramid, machine.tile)?
+        let rays = scene
+            .view()
+            .rays_by_tile(pyramid.size(), machine.tile)?
             .into_iter()
             .map(|ray| Ok(enter(&mut reading, walker.admit(ray)?)))
             .collect::<anyhow::Result<Vec<_>>>()?;
@@ -108,32 +109,21 @@ impl PaperScene {
             latencies,
             format,
             rays,
-            memory: AxiMemoryShape {
-                latency: machine.memory.latency,
-                bytes_per_cycle: machine.memory.bytes_per_cycle,
-                outstanding: machine.cache.pending,
-                stalls: machine.memory.stalls.then_some(1),
-            },
+            machine: *machine,
             pyramid,
         })
     }
 
     /// All rays sent through it. With a seed, senders, receivers and memory stall at random.
     pub fn run(&self, stalls: Option<u16>) -> PaperRun<'_> {
-        let pattern = |turned: u32| match stalls {
-            Some(seed) => StallPattern::one_in_eight(seed.rotate_left(turned)),
-            None => StallPattern::never(),
-        };
+        let [gaps, receiver] = StallPattern::of_sender_and_receiver(stalls);
         PaperRun {
             shape: self.unit.paper.shape.clone(),
             pyramid: &self.pyramid,
             rays: &self.rays,
-            gaps: pattern(3),
-            stalls: pattern(0),
-            memory: AxiMemoryShape {
-                stalls: stalls.or(self.memory.stalls),
-                ..self.memory
-            },
+            gaps,
+            stalls: receiver,
+            memory: AxiMemoryShape::of(&self.machine, stalls),
             pass_cycles: self.unit.paper.step.latency,
         }
     }
@@ -163,58 +153,35 @@ impl PaperScene {
     where
         H: HasFormat + std::fmt::Debug + Send + Sync,
     {
-        let expected: Vec<[u64; 9]> = (0..self.rays.len())
-            .into_par_iter()
-            .map(|id| self.golden_hit(&mut FloatReading(format), id))
-            .collect();
-        let mut ledger = HitLedger::new(expected.concat(), 9);
+        let run = self.run(stalls);
+        let mut ledger = HitLedger::new(run.golden_hits(&FloatReading(format)));
         let mut occupancy = OccupancyOverTime::default();
         let mut guards = 0;
-        let summary = self
-            .run(stalls)
-            .run(FloatReading(format), |machine, inputs, outputs| {
-                occupancy.cycle(outputs.admits || outputs.recirculates);
-                if outputs.hit_valid && inputs.hit_ready {
-                    guards += u64::from(outputs.hit_guard);
-                    ledger.enter(machine.hit());
-                }
-                ControlFlow::Continue(())
-            });
-        MachineReport {
+        let summary = run.run(FloatReading(format), |machine, inputs, outputs| {
+            occupancy.cycle(outputs.admits || outputs.recirculates);
+            if outputs.hit_valid && inputs.hit_ready {
+                guards += u64::from(outputs.hit_guard);
+                ledger.enter(machine.hit());
+            }
+            ControlFlow::Continue(())
+        });
+        let counts = summary.counts;
+        let counted = Counted {
+            trips: counts.passes,
+            gaps_without_ray: counts.gaps_without_ray,
+            gaps_without_room: counts.gaps_without_room,
+            lines_fetched: counts.lines_fetched,
+            refusals: None,
             guards,
-            ..MachineReport::of_paper(summary, ledger.report(), occupancy)
-        }
+        };
+        MachineReport::new(
+            MachineKind::Paper,
+            &summary,
+            counted,
+            ledger.report(),
+            occupancy,
+        )
     }
-
-    /// What must leave FIFO 1 for a ray.
-    fn golden_hit<H: HasFormat>(&self, reading: &mut FloatReading<H>, id: usize) -> [u64; 9] {
-        let memory = self.pyramid.memory();
-        let hit = walk(reading, PAPER_POLICY, &self.pyramid, memory, self.rays[id]);
-        [
-            id as u64,
-            hit.i.into(),
-            hit.j.into(),
-            hit.t,
-            hit.u,
-            hit.v,
-            hit.steps.into(),
-            hit.crossings.into(),
-            (hit.status == Status::Guard).into(),
-        ]
-    }
-}
-
-/// The frame's rays, tile by tile.
-fn rays_by_tile(scene: &Scene, pyramid: &Pyramid, tile: u32) -> anyhow::Result<Vec<Ray<f64>>> {
-    let rays = scene.view().rays(pyramid.size())?;
-    let width = scene.frame.width;
-    let mut places: Vec<u32> = (0..rays.len() as u32).collect();
-    places.sort_by_key(|place| {
-        let (x, y) = (place % width, place / width);
-        (y / tile, x / tile, y, x)
-    });
-    let chosen = places.into_iter().filter_map(|place| rays[place as usize]);
-    Ok(chosen.collect())
 }
 
 /// The machine of a scene.
@@ -232,11 +199,16 @@ pub fn machine_of(scene: &Scene) -> anyhow::Result<Machine> {
     })
 }
 
-/// Cycles in which no trip began, by their cause.
+/// What is counted of a run beside its summary.
 #[derive(Clone, Copy, Debug, Default)]
-struct GapsByCause {
-    without_ray: u64,
-    without_room: u64,
+struct Counted {
+    trips: u64,
+    /// Cycles in which no trip began since no ray waited, and since there was no room.
+    gaps_without_ray: u64,
+    gaps_without_room: u64,
+    lines_fetched: u64,
+    refusals: Option<u64>,
+    guards: u64,
 }
 
 /// What a golden machine's run came to.
@@ -278,54 +250,28 @@ pub struct MachineReport {
 }
 
 impl MachineReport {
-    fn of_paper(
-        summary: RunSummary<PaperCounts>,
+    fn new<C: Lookups>(
+        kind: MachineKind,
+        summary: &RunSummary<C>,
+        counted: Counted,
         hits: HitReport,
         occupancy_over_time: OccupancyOverTime,
     ) -> MachineReport {
-        let counts = summary.counts;
         MachineReport {
-            machine: MachineKind::Paper.name(),
+            machine: kind.name(),
             occupancy: (summary.busy_cycles > 0).then(|| summary.occupancy()),
             cycles_per_pixel: summary.cycles_per_ray(),
-            trips: counts.passes,
-            gaps_without_ray: counts.gaps_without_ray,
-            gaps_without_room: counts.gaps_without_room,
-            refusals: None,
+            trips: counted.trips,
+            gaps_without_ray: counted.gaps_without_ray,
+            gaps_without_room: counted.gaps_without_room,
+            refusals: counted.refusals,
             cache_hit_rate: summary.hit_rate(),
-            lines_fetched: counts.lines_fetched,
+            lines_fetched: counted.lines_fetched,
             memory_bytes_per_pixel: summary.bytes as f64 / summary.hits.max(1) as f64,
             lost: hits.lost(),
             duplicated: hits.duplicated,
             hits_differing: hits.differing,
-            guards: 0,
-            occupancy_over_time,
-        }
-    }
-
-    fn of_exact(
-        summary: RunSummary<ExactCounts>,
-        hits: HitReport,
-        gaps: GapsByCause,
-        guards: u64,
-        occupancy_over_time: OccupancyOverTime,
-    ) -> MachineReport {
-        let counts = summary.counts;
-        MachineReport {
-            machine: MachineKind::Exact.name(),
-            occupancy: (summary.busy_cycles > 0).then(|| summary.occupancy()),
-            cycles_per_pixel: summary.cycles_per_ray(),
-            trips: counts.trips,
-            gaps_without_ray: gaps.without_ray,
-            gaps_without_room: gaps.without_room,
-            refusals: Some(counts.refusals),
-            cache_hit_rate: summary.hit_rate(),
-            lines_fetched: counts.lines_fetched,
-            memory_bytes_per_pixel: summary.bytes as f64 / summary.hits.max(1) as f64,
-            lost: hits.lost(),
-            duplicated: hits.duplicated,
-            hits_differing: hits.differing,
-            guards,
+            guards: counted.guards,
             occupancy_over_time,
         }
     }

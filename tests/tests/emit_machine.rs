@@ -29,8 +29,12 @@ fn run(arguments: &[&str]) -> (Option<i32>, String) {
 }
 
 fn emitted(folder: &Path) {
+    emitted_scene(&[SCENE], folder);
+}
+
+fn emitted_scene(scene: &[&str], folder: &Path) {
     let place = folder.to_str().expect("a path");
-    let (code, said) = run(&[&["emit", SCENE, "-o", place], &SMALL[..]].concat());
+    let (code, said) = run(&[&["emit"], scene, &["-o", place], &SMALL[..]].concat());
     assert_eq!(code, Some(0), "{said}");
 }
 
@@ -121,6 +125,44 @@ fn a_stranger_runs_a_machine_in_icarus() {
     }
     let said = verdict(&shell(folder, "vvp -n run"));
     assert!(said.starts_with("FAIL "), "{said}");
+}
+
+#[test]
+fn a_stranger_runs_the_exact_machine_too() {
+    if !tool_is_there("icarus") {
+        return;
+    }
+    for method in ["bounded-quad", "bounded-block"] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let folder = folder.path();
+        let scene = ["scenes/machine-exact.toml", "--method", method];
+        emitted_scene(&scene, folder);
+        let compile = "iverilog -g2005 -Wall -Wno-timescale -o run ../rtl/*.v *.v";
+        assert_eq!(shell(folder, compile), "", "Icarus compiles it silently");
+        let said = verdict(&shell(folder, "vvp -n run +vcd=wave.vcd"));
+        assert!(said.starts_with("PASS "), "{method}: {said}");
+
+        let waves = folder.join("waves");
+        let waves = waves.to_str().expect("a path");
+        let verify = [
+            &["verify"],
+            &scene[..],
+            &["--sim", "embedded", "--vcd", "0:400", "-o", waves],
+            &SMALL[..],
+        ];
+        let (code, said) = run(&verify.concat());
+        assert_eq!(code, Some(0), "{said}");
+        let golden = format!("{waves}/golden.vcd");
+        let icarus = folder.join("testbench/wave.vcd");
+        let icarus = icarus.to_str().expect("a path");
+        let compared = ["wavediff", &golden, icarus, "--other-first-cycle", "0"];
+        let (code, said) = run(&[&compared[..], &["--excuse-unknown"]].concat());
+        assert_eq!(code, Some(0), "{method}: {said}");
+
+        damage(folder, "hits.hex", 3);
+        let said = verdict(&shell(folder, "vvp -n run"));
+        assert!(said.starts_with("FAIL "), "{method}: {said}");
+    }
 }
 
 #[test]

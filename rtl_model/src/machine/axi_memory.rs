@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 
 use super::read_port::{AxiAddress, AxiBeat, BEAT_BYTES};
 use super::stall::StallPattern;
+use crate::scene::Machine;
 
 /// `rresp` of a burst beyond the memory: SLVERR.
 const SLAVE_ERROR: u64 = 2;
@@ -27,14 +28,20 @@ pub struct AxiMemoryShape {
 }
 
 impl AxiMemoryShape {
+    /// The memory of a scene's machine. With a seed it stalls by that, whatever the scene says.
+    pub fn of(machine: &Machine, stalls: Option<u16>) -> AxiMemoryShape {
+        AxiMemoryShape {
+            latency: machine.memory.latency,
+            bytes_per_cycle: machine.memory.bytes_per_cycle,
+            outstanding: machine.cache.pending,
+            stalls: stalls.or(machine.memory.stalls.then_some(1)),
+        }
+    }
+
     /// When it stalls, from the first cycle on: addresses, and beats.
     pub fn stall_patterns(&self) -> [StallPattern; 2] {
-        let pattern = |seed: Option<u16>| match seed {
-            Some(seed) => StallPattern::one_in_eight(seed),
-            None => StallPattern::never(),
-        };
         let beats = self.stalls.map(|seed| seed.rotate_left(8) ^ 0x5a5a);
-        [pattern(self.stalls), pattern(beats)]
+        [self.stalls, beats].map(StallPattern::seeded)
     }
 }
 

@@ -2,16 +2,22 @@
 
 use std::ops::ControlFlow;
 
+use rayon::prelude::*;
+
 use super::axi_memory::{AxiMemory, AxiMemoryShape};
 use super::exact::{ExactCounts, ExactHit, ExactInputs, ExactMachine, ExactOutputs};
 use super::exact_shape::ExactMachineShape;
+use super::ledger::HIT_WORDS;
 use super::run_summary::{PATIENCE, RunSummary, WAITING};
 use super::stall::StallPattern;
 use crate::maps::Lines;
 use crate::ray_format::QuantisedRay;
+use crate::units::bounded::bounded_walk;
 use crate::units::bounded_shape::BoundedShape;
 use crate::units::fixed_traverse::FixedHit;
 use crate::units::traverse::Status;
+use crate::units::wide_fixed::wide_fixed_walk;
+use crate::units::wide_fixed_step::WideFixedShape;
 
 /// What stands on the ports where no ray is offered.
 const NO_RAY: QuantisedRay = QuantisedRay {
@@ -41,7 +47,27 @@ pub struct ExactRun<'a> {
     pub memory: AxiMemoryShape,
 }
 
+/// A hit of the golden walk as words, in the order in which a [`super::HitLedger`] has them.
+fn words_of(id: u32, hit: &FixedHit) -> [u64; HIT_WORDS] {
+    [
+        id.into(),
+        hit.i.into(),
+        hit.j.into(),
+        hit.side.into(),
+        hit.depth_numerator as u64,
+        hit.depth_denominator as u64,
+        hit.steps.into(),
+        hit.crossings.into(),
+        (hit.status == Status::Guard).into(),
+    ]
+}
+
 impl ExactHit {
+    /// The hit and its id as words of a [`super::HitLedger`].
+    pub fn words(&self, shape: BoundedShape) -> [u64; HIT_WORDS] {
+        words_of(self.id, &self.fixed_hit(shape))
+    }
+
     /// The hit as the golden walk answers it.
     pub fn fixed_hit(&self, shape: BoundedShape) -> FixedHit {
         let at_border = self.at_border_u || self.at_border_v;
@@ -65,6 +91,28 @@ impl ExactHit {
 }
 
 impl ExactRun<'_> {
+    /// What must leave for each ray: texel, side or top and depth of the exact walk with its error
+    /// term, by lines of 4 x 4 heights, which shares no step with the machine's; steps and
+    /// crossings are those of the walk by bounds, where the machine counts.
+    pub fn golden_hits(&self, lines_of_16: &Lines) -> Vec<[u64; HIT_WORDS]> {
+        let shape = self.shape.bounded;
+        let exact = WideFixedShape {
+            words: shape.words,
+            log2_side: 2,
+        };
+        let counted = |count: u32| if self.shape.counters { count } else { 0 };
+        let hits = self.rays.par_iter().enumerate().map(|(id, ray)| {
+            let own = bounded_walk(shape, self.lines, ray);
+            let hit = FixedHit {
+                steps: counted(own.steps),
+                crossings: counted(own.crossings),
+                ..wide_fixed_walk(exact, lines_of_16, ray)
+            };
+            words_of(id as u32, &hit)
+        });
+        hits.collect()
+    }
+
     /// Runs the machine until every ray has left it, and calls `each` with every cycle. Ends early
     /// where `each` breaks, and where no hit leaves any more: then fewer hits than rays have left.
     pub fn run(

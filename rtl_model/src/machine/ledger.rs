@@ -1,11 +1,13 @@
 //! What left a unit, held against what had to: every ray once, with its own answer.
 
+/// Words of a machine's hit, its id the first.
+pub const HIT_WORDS: usize = 9;
+
 /// Keeps account of the hits that leave a unit.
 #[derive(Clone, Debug)]
 pub struct HitLedger {
-    width: usize,
-    /// The words of each ray's hit, its id the first, one ray after the other.
-    expected: Vec<u64>,
+    /// The words of each ray's hit.
+    expected: Vec<[u64; HIT_WORDS]>,
     has_left: Vec<bool>,
     report: HitReport,
 }
@@ -36,27 +38,20 @@ impl HitReport {
 }
 
 impl HitLedger {
-    /// An account of rays whose hits must be these: `width` words each, the first the ray's id,
-    /// which is its place.
-    ///
-    /// # Panics
-    /// If the words are not a whole number of hits.
-    pub fn new(expected: Vec<u64>, width: usize) -> HitLedger {
-        assert!(width > 0 && expected.len().is_multiple_of(width));
-        let rays = expected.len() / width;
+    /// An account of rays whose hits must be these; a ray's id is its place.
+    pub fn new(expected: Vec<[u64; HIT_WORDS]>) -> HitLedger {
         HitLedger {
-            width,
-            expected,
-            has_left: vec![false; rays],
+            has_left: vec![false; expected.len()],
             report: HitReport {
-                rays: rays as u64,
+                rays: expected.len() as u64,
                 ..HitReport::default()
             },
+            expected,
         }
     }
 
     /// A hit leaves.
-    pub fn enter(&mut self, found: &[u64]) {
+    pub fn enter(&mut self, found: &[u64; HIT_WORDS]) {
         let id = found[0] as usize;
         let Some(has_left) = self.has_left.get_mut(id) else {
             self.report.duplicated += 1;
@@ -67,8 +62,7 @@ impl HitLedger {
             return;
         }
         self.report.left += 1;
-        let expected = &self.expected[id * self.width..][..self.width];
-        self.report.differing += u64::from(found != expected);
+        self.report.differing += u64::from(*found != self.expected[id]);
     }
 
     /// The account so far.
@@ -83,16 +77,21 @@ mod tests {
 
     #[test]
     fn what_is_lost_doubled_or_different_is_counted() {
-        let mut ledger = HitLedger::new(vec![0, 7, 1, 8, 2, 9], 2);
-        ledger.enter(&[1, 8]);
-        ledger.enter(&[0, 7]);
+        let hit = |id, i| {
+            let mut words = [0; HIT_WORDS];
+            (words[0], words[1]) = (id, i);
+            words
+        };
+        let mut ledger = HitLedger::new(vec![hit(0, 7), hit(1, 8), hit(2, 9)]);
+        ledger.enter(&hit(1, 8));
+        ledger.enter(&hit(0, 7));
         assert!(!ledger.report().agrees());
         let mut whole = ledger.clone();
-        whole.enter(&[2, 9]);
+        whole.enter(&hit(2, 9));
         assert!(whole.report().agrees());
-        ledger.enter(&[2, 8]);
-        ledger.enter(&[1, 8]);
-        ledger.enter(&[3, 8]);
+        ledger.enter(&hit(2, 8));
+        ledger.enter(&hit(1, 8));
+        ledger.enter(&hit(3, 8));
         let report = ledger.report();
         assert_eq!(
             (report.lost(), report.duplicated, report.differing),

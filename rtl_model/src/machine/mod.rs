@@ -41,7 +41,7 @@ pub use fifo::{Fifo, FifoField, FifoOutputs, FifoShape};
 pub use height_cache::{
     CacheAnswer, HeightCache, HeightCacheInputs, HeightCacheOutputs, HeightCacheShape, LINE_HEIGHTS,
 };
-pub use ledger::{HitLedger, HitReport};
+pub use ledger::{HIT_WORDS, HitLedger, HitReport};
 pub use occupancy::OccupancyOverTime;
 pub use paper::{PaperCounts, PaperInputs, PaperMachine, PaperOutputs};
 pub use paper_run::PaperRun;

@@ -15,6 +15,7 @@
 
 use super::fifo::Fifo;
 use super::height_cache::{HeightCache, HeightCacheInputs};
+use super::ledger::HIT_WORDS;
 use super::paper_pass::{Datapath, Pass};
 use super::paper_shape::{COUNTER_BITS, PaperShape};
 use super::read_port::{AxiAddress, AxiBeat, ReadPort, ReadPortInputs, ReadPortOutputs};
@@ -196,8 +197,9 @@ impl<R: Word> PaperMachine<R> {
     }
 
     /// The hit that FIFO 1 offers, as it stands there.
-    pub fn hit(&self) -> &[u64] {
-        self.fifo_1.outputs().out
+    pub fn hit(&self) -> &[u64; HIT_WORDS] {
+        let hit = self.fifo_1.outputs().out;
+        hit.try_into().expect("FIFO 1 has the fields of a hit")
     }
 
     /// Where a stage stands in the ring.

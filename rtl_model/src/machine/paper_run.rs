@@ -2,14 +2,19 @@
 
 use std::ops::ControlFlow;
 
+use rayon::prelude::*;
+
 use super::axi_memory::{AxiMemory, AxiMemoryShape};
+use super::ledger::HIT_WORDS;
 use super::paper::{PaperCounts, PaperInputs, PaperMachine, PaperOutputs};
 use super::paper_shape::PaperShape;
 use super::run_summary::{PATIENCE, RunSummary, WAITING};
 use super::stall::StallPattern;
 use crate::maps::Pyramid;
 use crate::ray::Ray;
-use crate::readings::Word;
+use crate::readings::{NumberFormat, Word};
+use crate::units::paper_step::PAPER_POLICY;
+use crate::units::traverse::{Status, walk};
 
 /// Rays to be sent through the paper's unit, and how.
 #[derive(Clone, Debug)]
@@ -31,6 +36,31 @@ pub struct PaperRun<'a> {
 }
 
 impl PaperRun<'_> {
+    /// What must leave FIFO 1 for each ray, as [`PaperMachine::hit`] has it: the golden walk's hit.
+    pub fn golden_hits<R>(&self, reading: &R) -> Vec<[u64; HIT_WORDS]>
+    where
+        R: Word + NumberFormat + Clone + Sync,
+    {
+        let memory = self.pyramid.memory();
+        let hits = self.rays.par_iter().enumerate().map(|(id, &ray)| {
+            let mut reading = reading.clone();
+            let entered = ray.map(|word| reading.number(word));
+            let hit = walk(&mut reading, PAPER_POLICY, self.pyramid, memory, entered);
+            [
+                id as u64,
+                hit.i.into(),
+                hit.j.into(),
+                reading.word(hit.t),
+                reading.word(hit.u),
+                reading.word(hit.v),
+                hit.steps.into(),
+                hit.crossings.into(),
+                (hit.status == Status::Guard).into(),
+            ]
+        });
+        hits.collect()
+    }
+
     /// Cycles in reset before cycle 0: enough for every stage to fill with what stands in an empty
     /// FIFO 0.
     pub fn reset_cycles(&self) -> u32 {

@@ -18,6 +18,16 @@ impl StallPattern {
         }
     }
 
+    /// That of a seed, or none.
+    pub fn seeded(seed: Option<u16>) -> StallPattern {
+        seed.map_or(StallPattern::never(), StallPattern::one_in_eight)
+    }
+
+    /// When sender and receiver of a machine stall, by the seed of a run.
+    pub fn of_sender_and_receiver(seed: Option<u16>) -> [StallPattern; 2] {
+        [seed.map(|seed| seed.rotate_left(3)), seed].map(StallPattern::seeded)
+    }
+
     /// Always ready.
     pub fn never() -> StallPattern {
         StallPattern {

@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 
 use anyhow::bail;
-use rayon::prelude::*;
 
 use hdl_gen::units::ExactUnit;
 use rtl_model::frame::fit_scene;
@@ -13,19 +12,11 @@ use rtl_model::machine::{
 };
 use rtl_model::maps::Pyramid;
 use rtl_model::ray_format::QuantisedRay;
-use rtl_model::scene::{Family, Machine, MachineEffort, Scene, WalkFormat};
-use rtl_model::units::bounded::bounded_walk;
+use rtl_model::scene::{Family, Machine, MachineEffort, MachineKind, Scene, WalkFormat};
 use rtl_model::units::bounded_shape::BoundedShape;
-use rtl_model::units::fixed_traverse::FixedHit;
-use rtl_model::units::traverse::Status;
-use rtl_model::units::wide_fixed::wide_fixed_walk;
-use rtl_model::units::wide_fixed_step::WideFixedShape;
 use rtl_model::walker::Walker;
 
-use super::{GapsByCause, MachineReport, SMALLEST_MAP, rays_by_tile};
-
-/// Words of a hit.
-const HIT_WORDS: usize = 9;
+use super::{Counted, MachineReport, SMALLEST_MAP};
 
 /// The exact machine of a scene, with the frame's rays.
 pub struct ExactScene {
@@ -35,7 +26,7 @@ pub struct ExactScene {
     pub pyramid: Pyramid,
     /// The rays as the ports carry them, in the order in which they are sent.
     pub rays: Vec<QuantisedRay>,
-    memory: AxiMemoryShape,
+    machine: Machine,
 }
 
 impl ExactScene {
@@ -69,7 +60,9 @@ impl ExactScene {
         let Some(format) = fit.ray_format else {
             bail!("scene {name}: no pixel has a ray, so the machine has nothing to do");
         };
-        let rays = rays_by_tile(scene, &pyramid, machine.tile)?
+        let rays = scene
+            .view()
+            .rays_by_tile(pyramid.size(), machine.tile)?
             .into_iter()
             .map(|ray| Ok(format.quantise(walker.admit(ray)?)))
             .collect::<anyhow::Result<Vec<_>>>()?;
@@ -92,33 +85,22 @@ impl ExactScene {
         Ok(ExactScene {
             unit: ExactUnit::build(&shape),
             rays,
-            memory: AxiMemoryShape {
-                latency: machine.memory.latency,
-                bytes_per_cycle: machine.memory.bytes_per_cycle,
-                outstanding: machine.cache.pending,
-                stalls: machine.memory.stalls.then_some(1),
-            },
+            machine: *machine,
             pyramid,
         })
     }
 
     /// All rays sent through it. With a seed, senders, receivers and memory stall at random.
     pub fn run(&self, stalls: Option<u16>) -> ExactRun<'_> {
-        let pattern = |turned: u32| match stalls {
-            Some(seed) => StallPattern::one_in_eight(seed.rotate_left(turned)),
-            None => StallPattern::never(),
-        };
+        let [gaps, receiver] = StallPattern::of_sender_and_receiver(stalls);
         ExactRun {
             shape: self.unit.shape.clone(),
             lines: self.pyramid.lines(self.unit.shape.bounded.log2_side),
             rays: &self.rays,
-            gaps: pattern(3),
-            stalls: pattern(0),
+            gaps,
+            stalls: receiver,
             receiver_starts: 0,
-            memory: AxiMemoryShape {
-                stalls: stalls.or(self.memory.stalls),
-                ..self.memory
-            },
+            memory: AxiMemoryShape::of(&self.machine, stalls),
         }
     }
 
@@ -126,61 +108,35 @@ impl ExactScene {
     /// senders, receivers and memory stall at random.
     pub fn golden_run(&self, stalls: Option<u16>) -> MachineReport {
         let shape = self.unit.shape.bounded;
-        let expected: Vec<[u64; HIT_WORDS]> = (0..self.rays.len())
-            .into_par_iter()
-            .map(|id| hit_words(id as u32, &self.golden_hit(id)))
-            .collect();
-        let mut ledger = HitLedger::new(expected.concat(), HIT_WORDS);
+        let run = self.run(stalls);
+        let mut ledger = HitLedger::new(run.golden_hits(self.pyramid.lines(2)));
         let mut occupancy = OccupancyOverTime::default();
-        let (mut guards, mut gaps) = (0, GapsByCause::default());
-        let summary = self.run(stalls).run(|machine, inputs, outputs| {
+        let mut counted = Counted::default();
+        let summary = run.run(|machine, inputs, outputs| {
             let begins = outputs.admits || outputs.recirculates || outputs.returns;
             occupancy.cycle(begins);
             if !begins {
                 match machine.is_set_up() {
-                    true => gaps.without_room += 1,
-                    false => gaps.without_ray += 1,
+                    true => counted.gaps_without_room += 1,
+                    false => counted.gaps_without_ray += 1,
                 }
             }
             if outputs.hit_valid && inputs.hit_ready {
                 let hit = machine.hit();
-                guards += u64::from(hit.guard);
-                ledger.enter(&hit_words(hit.id, &hit.fixed_hit(shape)));
+                counted.guards += u64::from(hit.guard);
+                ledger.enter(&hit.words(shape));
             }
             ControlFlow::Continue(())
         });
-        MachineReport::of_exact(summary, ledger.report(), gaps, guards, occupancy)
+        counted.trips = summary.counts.trips;
+        counted.lines_fetched = summary.counts.lines_fetched;
+        counted.refusals = Some(summary.counts.refusals);
+        MachineReport::new(
+            MachineKind::Exact,
+            &summary,
+            counted,
+            ledger.report(),
+            occupancy,
+        )
     }
-
-    /// What must leave for a ray: texel, side or top and depth of the exact walk with its error
-    /// term, which shares no step with the machine's; the counts are those of the machine's own.
-    fn golden_hit(&self, id: usize) -> FixedHit {
-        let shape = self.unit.shape.bounded;
-        let own = bounded_walk(shape, self.pyramid.lines(shape.log2_side), &self.rays[id]);
-        let exact = WideFixedShape {
-            words: shape.words,
-            log2_side: 2,
-        };
-        // Without counters the hardware has none.
-        let counted = |count: u32| if self.unit.shape.counters { count } else { 0 };
-        FixedHit {
-            steps: counted(own.steps),
-            crossings: counted(own.crossings),
-            ..wide_fixed_walk(exact, self.pyramid.lines(2), &self.rays[id])
-        }
-    }
-}
-
-fn hit_words(id: u32, hit: &FixedHit) -> [u64; HIT_WORDS] {
-    [
-        id.into(),
-        hit.i.into(),
-        hit.j.into(),
-        hit.side.into(),
-        hit.depth_numerator as u64,
-        hit.depth_denominator as u64,
-        hit.steps.into(),
-        hit.crossings.into(),
-        (hit.status == Status::Guard).into(),
-    ]
 }
