@@ -388,18 +388,19 @@ impl ExactMachine {
     fn clock_leaf(&mut self, outputs: &ExactOutputs, taken: bool, last: &Trip) {
         let shape = self.shape.bounded;
         let a = &mut F64Reading;
-        let verdict = self.verdict();
-        let answers = self.answers();
-        let checks = self.checks();
-        let waits = self.waits();
-        let fetches = self.fetches();
+        let LeafMoves {
+            answers,
+            checks,
+            waits,
+            fetches,
+        } = self.leaf_moves();
         self.counts.refusals += u64::from(outputs.returns);
 
         let checking = self.check_valid;
         if outputs.returns || taken {
             self.answer_valid = false;
         }
-        if answers {
+        if let Some(verdict) = answers {
             (self.answer_valid, self.check_valid) = (true, false);
             self.answer = self.check;
             self.answer.refused = verdict.refused && !self.check.walk.guard;
@@ -466,24 +467,19 @@ impl ExactMachine {
         self.leaf_fifo.clock(put, fetches);
     }
 
-    /// The check comes to its answer in this cycle.
-    fn answers(&self) -> bool {
-        self.check_valid && !self.answer_valid && self.verdict().is_final
-    }
-
-    /// A waiting walk goes on to the check.
-    fn checks(&self) -> bool {
-        self.waiting_valid && (!self.check_valid || self.answers())
-    }
-
-    /// What was read goes on to wait.
-    fn waits(&self) -> bool {
-        self.fetched_valid && (!self.waiting_valid || self.checks())
-    }
-
-    /// What the FIFO's first slot holds is read.
-    fn fetches(&self) -> bool {
-        self.leaf_fifo.outputs().out_valid && (!self.fetched_valid || self.waits())
+    /// Which of the walks that have ended go on in this cycle.
+    fn leaf_moves(&self) -> LeafMoves {
+        let verdict = (self.check_valid && !self.answer_valid).then(|| self.verdict());
+        let answers = verdict.filter(|verdict| verdict.is_final);
+        let checks = self.waiting_valid && (!self.check_valid || answers.is_some());
+        let waits = self.fetched_valid && (!self.waiting_valid || checks);
+        let fetches = self.leaf_fifo.outputs().out_valid && (!self.fetched_valid || waits);
+        LeafMoves {
+            answers,
+            checks,
+            waits,
+            fetches,
+        }
     }
 
     fn verdict(&self) -> Verdict {
@@ -569,6 +565,19 @@ impl ExactMachine {
     }
 }
 
+/// Moves of the walks that have ended, at the end of a cycle.
+struct LeafMoves {
+    /// The check comes to its answer.
+    answers: Option<Verdict>,
+    /// A waiting walk goes on to the check.
+    checks: bool,
+    /// What was read goes on to wait.
+    waits: bool,
+    /// What the FIFO's first slot holds is read.
+    fetches: bool,
+}
+
+#[derive(Clone, Copy)]
 struct Verdict {
     is_final: bool,
     refused: bool,

@@ -124,7 +124,7 @@ impl ExactMachine {
         words.extend([u64::from(answer.at_border_v), answer.way as u64]);
         words.push(answer.slope as u64);
 
-        let fetches = self.fetches();
+        let fetches = self.leaf_moves().fetches;
         let driven = [outputs.ends.into(), self.last_stage().slot, fetches.into()];
         self.leaf_fifo.observe(&driven, words);
         let cache = self.cache.outputs();
